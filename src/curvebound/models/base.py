@@ -1,0 +1,124 @@
+"""What every mechanical system of the kernel offers to the integrators and to the FMI face.
+
+A model has one or two generalised coordinates q0, q1 with rates v0, v1 and obeys
+
+    q'' = acceleration(t, q, v),        work' = power(t, q, v, q'')
+
+State components are separate floats, not lists: mypyc keeps floats and tuples of floats unboxed, so
+that an internal step allocates nothing. A model of one degree of freedom leaves q1 = v1 = 0.
+"""
+
+from __future__ import annotations
+
+__all__ = ["Jacobian", "Model"]
+
+#: d(acceleration)/dq and /dv: (da0/dq0, da0/dq1, da1/dq0, da1/dq1, da0/dv0, da0/dv1, da1/dv0, da1/dv1)
+Jacobian = tuple[float, float, float, float, float, float, float, float]
+
+
+class Model:
+    """A system q'' = f(t, q, v) with at most two degrees of freedom.
+
+    Time in every method is counted from the start of the present communication step; inputs are
+    constant over it. Subclasses declare the names of their variables, in the order in which values
+    are passed, exactly as the FMU shows them:
+
+    PARAMETERS  names of the Real parameters, CHOICES names of the enumeration parameters
+    INPUTS      names of the Real inputs
+    OUTPUTS     names of the Real outputs, mapped to their group: the outputs of a group are computed
+                together, and only when one of them is read
+    FEEDTHROUGH the groups whose values depend on the inputs of the same instant
+    """
+
+    PARAMETERS: tuple[str, ...] = ()
+    CHOICES: tuple[str, ...] = ()
+    INPUTS: tuple[str, ...] = ()
+    OUTPUTS: dict[str, int] = {}
+    FEEDTHROUGH: tuple[int, ...] = ()
+
+    def __init__(self) -> None:
+        self.q0: float = 0.0
+        self.q1: float = 0.0
+        self.v0: float = 0.0
+        self.v1: float = 0.0
+        #: J, net work since the start: by drive and inputs, less what damping dissipated
+        self.work: float = 0.0
+        #: natural magnitudes of q0 and q1, for error norms
+        self.q0_scale: float = 1.0
+        self.q1_scale: float = 1.0
+        #: whether power() can differ from zero with the present parameters, inputs and frame motion
+        self.works: bool = False
+        #: whether settle() has anything to do after an internal step
+        self.settles: bool = False
+        #: whether the equations have the constant-coefficient form that `exact` needs
+        self.is_linear: bool = False
+
+    # -- set-up ------------------------------------------------------------------------------------
+    def start(self, parameters: dict[str, float], choices: dict[str, int]) -> None:
+        """Take parameters (SI units) and choices (item numbers) and return to the initial state.
+
+        Domains of single parameters have been checked; raises ValueError, with a message that names
+        variable, value and remedy, for a combination that makes no sense.
+        """
+        raise NotImplementedError
+
+    def set_inputs(self, values: list[float], first: int) -> None:
+        """Take the inputs values[first:first + len(INPUTS)], all finite, in the order of INPUTS."""
+        raise NotImplementedError
+
+    # -- equations ---------------------------------------------------------------------------------
+    def acceleration(
+        self, t: float, q0: float, q1: float, v0: float, v1: float
+    ) -> tuple[float, float]:
+        """q'' at time t (s) since the communication point."""
+        raise NotImplementedError
+
+    def power(
+        self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
+    ) -> float:
+        """W, rate of `work` for a motion with acceleration (a0, a1)."""
+        raise NotImplementedError
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+        """Closed-form derivatives of acceleration(), in the order of `Jacobian`."""
+        raise NotImplementedError
+
+    def linear_system(self) -> list[list[float]]:
+        """A, shape (5, 5), with z' = A z for z = (q0, q1, v0, v1, 1); only if is_linear.
+
+        Constant over a communication step (inputs included).
+        """
+        raise NotImplementedError
+
+    def power_form(self) -> list[list[float]]:
+        """C, symmetric, shape (5, 5), with power = z C z for z of linear_system(); only if is_linear."""
+        raise NotImplementedError
+
+    # -- hooks of the time stepping ------------------------------------------------------------------
+    def settle(self, h: float) -> None:
+        """After each accepted internal step of h seconds, when `settles`: projection, turn counting."""
+
+    def advance_frame(self, duration: float) -> None:
+        """At the end of a communication step: move the frame exactly (a polynomial of time)."""
+
+    # -- rollback and saved state ----------------------------------------------------------------------
+    def get_state(self) -> list[float]:
+        """Everything that changes while running (state, frame, work, counters), finite floats."""
+        raise NotImplementedError
+
+    def set_state(self, state: list[float]) -> None:
+        """Return to what get_state() gave, on an instance started with the same parameters."""
+        raise NotImplementedError
+
+    def keep(self) -> None:
+        """Remember the present state, cheaply, for one undo()."""
+        raise NotImplementedError
+
+    def undo(self) -> None:
+        """Return to the state that keep() remembered."""
+        raise NotImplementedError
+
+    # -- observation -------------------------------------------------------------------------------
+    def observe(self, group: int, values: list[float], first: int) -> None:
+        """Write the outputs of one group to values[first + position in OUTPUTS]."""
+        raise NotImplementedError
