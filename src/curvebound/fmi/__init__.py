@@ -1,1 +1,1 @@
-
+"""The FMI face: declarations, the slave that PythonFMU runs, modelDescription and the build."""

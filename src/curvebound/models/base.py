@@ -50,8 +50,10 @@ class Model:
         self.works: bool = False
         #: whether settle() has anything to do after an internal step
         self.settles: bool = False
-        #: whether the equations have the constant-coefficient form that `exact` needs
+        #: whether the equations are linear, as `exact` needs
         self.is_linear: bool = False
+        #: whether their coefficients are constant over the present communication step
+        self.is_constant: bool = True
 
     # -- set-up ------------------------------------------------------------------------------------
     def start(self, parameters: dict[str, float], choices: dict[str, int]) -> None:

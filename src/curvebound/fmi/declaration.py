@@ -1,0 +1,130 @@
+"""How an FMU's variables are written down: the vocabulary of the files in fmus/.
+
+Value references count the variables of an FMU in the order parameters, choices, integer parameters,
+inputs, outputs, integer outputs, whatever the order of their declaration.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .engine import Engine
+
+__all__ = [
+    "CHOICE",
+    "COUNT",
+    "COUNT_PARAMETER",
+    "INPUT",
+    "OUTPUT",
+    "PARAMETER",
+    "Enumeration",
+    "Fmu",
+    "Variable",
+    "choice",
+    "count",
+    "count_parameter",
+    "input_",
+    "output",
+    "parameter",
+]
+
+PARAMETER = "parameter"
+CHOICE = "choice"
+COUNT_PARAMETER = "count parameter"
+INPUT = "input"
+OUTPUT = "output"
+COUNT = "count"
+_ORDER = (PARAMETER, CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, COUNT)
+
+
+class Enumeration(NamedTuple):
+    """An FMI enumeration type; `items` are (name, description), numbered from 1."""
+
+    name: str
+    description: str
+    items: tuple[tuple[str, str], ...]
+
+    def number(self, item: str) -> int:
+        """The number of the item called `item`; ValueError where there is none."""
+        return [name for name, _ in self.items].index(item) + 1
+
+
+class Variable(NamedTuple):
+    """One scalar variable: `kind` as above, `minimum` of its domain, itself excluded if `above`."""
+
+    kind: str
+    name: str
+    unit: str
+    start: float
+    description: str
+    minimum: float | None = None
+    above: bool = False
+    nominal: float | None = None
+    tunable: bool = False
+    type: Enumeration | None = None
+
+
+def parameter(
+    name: str,
+    unit: str,
+    start: float,
+    description: str,
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+    nominal: float | None = None,
+    tunable: bool = False,
+) -> Variable:
+    """A Real parameter; its domain is open (`above`) or closed (`at_least`) below."""
+    minimum = above if above is not None else at_least
+    return Variable(
+        PARAMETER, name, unit, start, description, minimum, above is not None, nominal, tunable
+    )
+
+
+def choice(name: str, type_: Enumeration, start: str, description: str) -> Variable:
+    """An enumeration parameter that starts at the item called `start`."""
+    return Variable(CHOICE, name, "", type_.number(start), description, type=type_)
+
+
+def count_parameter(name: str, start: int, description: str, *, at_least: int) -> Variable:
+    """An Integer parameter."""
+    return Variable(COUNT_PARAMETER, name, "", start, description, at_least)
+
+
+def input_(name: str, unit: str, description: str, *, nominal: float | None = None) -> Variable:
+    """A Real input that starts at zero."""
+    return Variable(INPUT, name, unit, 0.0, description, nominal=nominal)
+
+
+def output(name: str, unit: str, description: str, *, nominal: float | None = None) -> Variable:
+    """A Real output."""
+    return Variable(OUTPUT, name, unit, 0.0, description, nominal=nominal)
+
+
+def count(name: str, description: str) -> Variable:
+    """An Integer output."""
+    return Variable(COUNT, name, "", 0.0, description)
+
+
+class Fmu(NamedTuple):
+    """An FMU: its variables and the system of the kernel that gives them their meaning.
+
+    `system` returns a new engine for the variables: plant(...) or controller(...) of engine.py.
+    `stop_time` and `step_size` (s) and `tolerance` are those of DefaultExperiment.
+    """
+
+    name: str
+    description: str
+    system: Callable[[], Engine]
+    variables: tuple[Variable, ...]
+    stop_time: float = 10.0
+    step_size: float = 0.01
+    tolerance: float = 1e-6
+
+    def ordered(self) -> list[Variable]:
+        """The variables in the order of their value references."""
+        return [v for kind in _ORDER for v in self.variables if v.kind == kind]

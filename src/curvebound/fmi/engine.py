@@ -1,0 +1,717 @@
+"""What runs inside an FMU between the FMI calls: values, modes, time and the communication step.
+
+Compiled together with the kernel. PythonFMU calls do_step, get_real and set_real of an Engine
+directly; none of its methods raises. A failure leaves one message in `queue` with status error and
+the state as it was before the call.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+from ..integrators import create
+from ..integrators.base import (
+    DONE,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+    Method,
+)
+from ..models.base import Model
+from ..models.parabola_drive import ParabolaDrive
+
+__all__ = ["ERROR", "WARNING", "DriveEngine", "Engine", "Message", "PlantEngine", "Table"]
+
+# fmi2Status
+WARNING: Final = 1
+ERROR: Final = 3
+
+# modes
+INSTANTIATED: Final = 0
+INITIALIZATION: Final = 1
+STEPPING: Final = 2
+TERMINATED: Final = 3
+_MODES: Final = ("instantiated", "initialization", "stepping", "terminated")
+
+# kinds of variables, in the order of their value references
+PARAMETER: Final = 0
+CHOICE: Final = 1
+COUNT_PARAMETER: Final = 2
+INPUT: Final = 3
+OUTPUT: Final = 4
+COUNT: Final = 5
+
+#: beyond this a square no longer fits a float: the state counts as having left the finite numbers
+LARGEST: Final = 1e150
+#: stands in for an output that does not fit a float
+OVERFLOW: Final = 1.7976931348623157e308
+#: an upper bound of ulp(x) / x
+EPSILON: Final = 2.220446049250313e-16
+#: markers in the table of output groups
+NO_GROUP: Final = -1
+NOT_REAL: Final = -2
+
+_EXACT: Final = 6
+
+
+class Message:
+    """A log message as PythonFMU's wrapper reads it."""
+
+    def __init__(self, status: int, category: str, msg: str) -> None:
+        self.status = status
+        self.category = category
+        self.msg = msg
+        self.debug = False
+
+
+class Table:
+    """The variables of an FMU by value reference; shared by its instances."""
+
+    def __init__(
+        self,
+        names: list[str],
+        kinds: list[int],
+        units: list[str],
+        starts: list[float],
+        minima: list[float],
+        above: list[bool],
+        tunable: list[bool],
+        items: list[list[str]],
+    ) -> None:
+        self.names = names
+        self.kinds = kinds
+        self.units = units
+        self.starts = starts
+        #: least allowed value of a parameter (itself excluded where `above`), -inf without bound
+        self.minima = minima
+        self.above = above
+        self.tunable = tunable
+        #: names of the items of a choice
+        self.items = items
+        self.size = len(names)
+        self.first_input = self._first(INPUT)
+        self.first_output = self._first(OUTPUT)
+        self.first_count = self._first(COUNT)
+        self.by_name = {name: i for i, name in enumerate(names)}
+
+    def _first(self, kind: int) -> int:
+        for i in range(len(self.kinds)):
+            if self.kinds[i] >= kind:
+                return i
+        return len(self.kinds)
+
+    def is_real(self, vr: int) -> bool:
+        kind = self.kinds[vr]
+        return kind == PARAMETER or kind == INPUT or kind == OUTPUT
+
+
+def substeps(duration: float, step: float, time: float) -> float:
+    """Fewest internal steps not larger than `step` in a communication step of `duration` at `time`.
+
+    The caller's duration is a difference of times and so uncertain by a few ulp of the time; that
+    uncertainty adds no step. Returned as a float because it may exceed every int of interest.
+    """
+    slack = 4.0 * EPSILON * (abs(time) + duration)
+    ratio = (duration - slack) / step
+    if ratio <= 1.0:
+        return 1.0
+    if ratio >= 1e18:
+        return ratio
+    return float(math.ceil(ratio))
+
+
+class Engine:
+    """Values, modes and time of one instance; subclasses know what advances."""
+
+    def __init__(self, table: Table, guid: str) -> None:
+        self.table = table
+        self.guid = guid
+        self.queue: list[Message] = []
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the state after instantiation."""
+        table = self.table
+        self.mode: int = INSTANTIATED
+        self.time: float = 0.0
+        self.reals: list[float] = table.starts[:]
+        self.integers: list[int] = [int(x) for x in table.starts]
+        #: whether inputs or tunable parameters wait to be taken over by the system
+        self.pending: bool = True
+        #: whether parameters have changed since the system was started from them
+        self.stale: bool = True
+        #: the tolerance of fmi2SetupExperiment, or 0 when it is not defined
+        self.tolerance: float = 0.0
+        self.tolerance_defined: bool = False
+        #: whether tunable parameters are among what waits
+        self.retuned: bool = False
+        #: group of each output by value reference, NO_GROUP for what needs no computation
+        self.groups: list[int] = [NO_GROUP if table.is_real(vr) else NOT_REAL for vr in range(table.size)]
+        #: the outputs of each group, and whether they are up to date
+        self.members: list[list[int]] = []
+        self.fresh: list[bool] = []
+        self.feedthrough: list[int] = []
+
+    # -- messages ------------------------------------------------------------------------------------
+    def say(self, status: int, text: str) -> None:
+        """Queue a log message."""
+        category = "logStatusError" if status == ERROR else "logStatusWarning"
+        self.queue.append(Message(status, category, text))
+
+    def fail(self, text: str) -> bool:
+        """Queue an error message; returns False."""
+        self.say(ERROR, text)
+        return False
+
+    def value(self, vr: int) -> str:
+        """A variable with value and unit, for messages."""
+        table = self.table
+        if table.kinds[vr] == CHOICE or table.kinds[vr] == COUNT_PARAMETER:
+            return table.names[vr] + " = " + str(self.integers[vr])
+        unit = table.units[vr]
+        return table.names[vr] + " = " + repr(self.reals[vr]) + ("" if unit == "1" else " " + unit)
+
+    # -- what subclasses know ------------------------------------------------------------------------
+    def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
+        """Start the system from its parameters; returns a message where that is impossible."""
+        raise NotImplementedError
+
+    def take_inputs(self) -> None:
+        """Hand the inputs, all finite, and the tunable parameters to the system."""
+        raise NotImplementedError
+
+    def observe(self, group: int) -> None:
+        """Compute the outputs of a group into `reals`."""
+        raise NotImplementedError
+
+    def advance(self, duration: float) -> str:
+        """Advance the system; after a failure undo it and return the message."""
+        raise NotImplementedError
+
+    def count_of(self, vr: int) -> int:
+        """An Integer output."""
+        return 0
+
+    def system_state(self) -> list[list[float]]:
+        """The changing part of the system's state."""
+        raise NotImplementedError
+
+    def restore_system(self, state: list[list[float]]) -> None:
+        """Return to a system_state()."""
+        raise NotImplementedError
+
+    # -- life cycle ------------------------------------------------------------------------------------
+    def setup_experiment(self, start_time: float, tolerance_defined: bool, tolerance: float) -> bool:
+        """Take start time and tolerance."""
+        if self.mode != INSTANTIATED:
+            return self.out_of_order("fmi2SetupExperiment", "before initialization")
+        if not math.isfinite(start_time):
+            return self.fail(f"startTime = {start_time!r} s is not finite: give a finite start time")
+        self.time = start_time
+        self.tolerance_defined = tolerance_defined
+        self.tolerance = tolerance
+        return True
+
+    def out_of_order(self, call: str, when: str) -> bool:
+        """A call that the present mode does not allow."""
+        return self.fail(
+            f"{call} is not allowed in mode {_MODES[self.mode]}: call it {when}, or fmi2Reset first"
+        )
+
+    def enter_initialization(self) -> bool:
+        """Check the parameters and start from them."""
+        if self.mode != INSTANTIATED:
+            return self.out_of_order("fmi2EnterInitializationMode", "after instantiation")
+        message = self.start()
+        if message:
+            return self.fail(message)
+        self.mode = INITIALIZATION
+        return True
+
+    def exit_initialization(self) -> bool:
+        """Start from what was set in the meantime."""
+        if self.mode != INITIALIZATION:
+            return self.out_of_order(
+                "fmi2ExitInitializationMode", "after fmi2EnterInitializationMode"
+            )
+        message = self.start() if self.stale else ""
+        if not message:
+            message = self.bad_value()
+        if message:
+            return self.fail(message)
+        self.mode = STEPPING
+        return True
+
+    def terminate(self) -> bool:
+        """End stepping; values stay readable."""
+        if self.mode != STEPPING:
+            return self.out_of_order("fmi2Terminate", "after initialization")
+        self.mode = TERMINATED
+        return True
+
+    def start(self) -> str:
+        """Check every parameter and start the system; returns a message where something is wrong."""
+        table = self.table
+        reals: dict[str, float] = {}
+        choices: dict[str, int] = {}
+        for vr in range(table.first_input):
+            message = self.outside_domain(vr)
+            if message:
+                return message
+            if table.kinds[vr] == PARAMETER:
+                reals[table.names[vr]] = self.reals[vr]
+            else:
+                choices[table.names[vr]] = self.integers[vr]
+        if self.tolerance_defined:
+            if not (0.0 < self.tolerance < math.inf):
+                return (
+                    f"tolerance = {self.tolerance!r} of fmi2SetupExperiment is outside its domain: "
+                    "give a finite tolerance above zero, or leave it undefined"
+                )
+            reals["solver.tolerance"] = self.tolerance
+        try:
+            message = self.start_system(reals, choices)
+        except (ZeroDivisionError, OverflowError, ValueError) as error:
+            message = f"the parameters leave the range of floating-point numbers ({error}): rescale"
+        if message:
+            return message
+        self.stale = False
+        self.pending = True
+        for i in range(len(self.fresh)):
+            self.fresh[i] = False
+        return ""
+
+    def outside_domain(self, vr: int) -> str:
+        """The message for a parameter outside its domain, or ''."""
+        table = self.table
+        kind = table.kinds[vr]
+        if kind == CHOICE:
+            number = self.integers[vr]
+            items = table.items[vr]
+            if number < 1 or number > len(items):
+                listed = ", ".join([f"{i + 1} {item}" for i, item in enumerate(items)])
+                return f"{self.value(vr)} is no item of its enumeration: choose one of {listed}"
+            return ""
+        if kind == COUNT_PARAMETER:
+            if self.integers[vr] < table.minima[vr]:
+                return f"{self.value(vr)} is too small: set it to at least {int(table.minima[vr])}"
+            return ""
+        x = self.reals[vr]
+        if not math.isfinite(x):
+            return f"{self.value(vr)} is not finite: set {table.names[vr]} to a finite number"
+        least = table.minima[vr]
+        if x < least or (table.above[vr] and x <= least):
+            wanted = "above" if table.above[vr] else "not below"
+            bound = "zero" if least == 0.0 else repr(least)
+            return (
+                f"{self.value(vr)} is outside its domain: set {table.names[vr]} to a value "
+                f"{wanted} {bound}"
+            )
+        return ""
+
+    def bad_value(self) -> str:
+        """The message for an input or tunable parameter that cannot be used, or ''."""
+        table = self.table
+        for vr in range(table.first_input, table.first_output):
+            if not abs(self.reals[vr]) <= LARGEST:
+                return (
+                    f"{self.value(vr)} is not a finite number of usable size: set input "
+                    f"{table.names[vr]} to a finite number"
+                )
+        if self.retuned:
+            for vr in range(table.first_input):
+                if table.tunable[vr]:
+                    message = self.outside_domain(vr)
+                    if message:
+                        return message
+        return ""
+
+    # -- values --------------------------------------------------------------------------------------
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values of Real variables; outputs are computed when first read after a change."""
+        reals = self.reals
+        groups = self.groups
+        fresh = self.fresh
+        size = self.table.size
+        values: list[float] = []
+        for vr in vrs:
+            group = groups[vr] if 0 <= vr < size else NOT_REAL
+            if group >= 0:
+                if not fresh[group]:
+                    self.refresh(group)
+                    # the first reading after a start makes new tables
+                    groups = self.groups
+                    fresh = self.fresh
+            elif group == NOT_REAL:
+                self.unknown(vr, "Real")
+                values.append(0.0)
+                continue
+            values.append(reals[vr])
+        return values
+
+    def refresh(self, group: int) -> None:
+        """Bring a group of outputs up to date; where that is impossible they keep their values."""
+        if self.mode == INSTANTIATED:
+            return
+        if self.mode == INITIALIZATION and self.stale and self.start():
+            return
+        if self.pending and not self.bad_value():
+            self.take_inputs()
+            self.pending = False
+        self.fresh[group] = True
+        try:
+            self.observe(group)
+        except (ZeroDivisionError, OverflowError, ValueError):
+            self.reals[self.members[group][0]] = math.inf
+        reals = self.reals
+        for vr in self.members[group]:
+            x = reals[vr]
+            if not -OVERFLOW <= x <= OVERFLOW:
+                reals[vr] = -OVERFLOW if x < 0.0 else OVERFLOW
+                self.fail(
+                    f"{self.table.names[vr]} does not fit a floating-point number at time "
+                    f"{self.time!r} s: rescale the parameters, or reduce solver.step"
+                )
+
+    def grouped(self, outputs: dict[str, int], feedthrough: tuple[int, ...]) -> None:
+        """Take over the groups of the system's outputs."""
+        last = 0
+        for group in outputs.values():
+            last = max(last, group)
+        self.members = [[] for _ in range(last + 1)]
+        for name, group in outputs.items():
+            vr = self.table.by_name[name]
+            self.groups[vr] = group
+            self.members[group].append(vr)
+        self.fresh = [False] * (last + 1)
+        self.feedthrough = list(feedthrough)
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set parameters or inputs."""
+        table = self.table
+        kinds = table.kinds
+        for i in range(len(vrs)):
+            vr = vrs[i]
+            if vr < 0 or vr >= table.size or not table.is_real(vr):
+                self.unknown(vr, "Real")
+                continue
+            if kinds[vr] == INPUT:
+                self.reals[vr] = values[i]
+                self.pending = True
+            elif self.may_set(vr):
+                self.reals[vr] = values[i]
+                if self.mode == STEPPING:
+                    self.pending = True
+                    self.retuned = True
+                else:
+                    self.stale = True
+        if self.stale:
+            for g in range(len(self.fresh)):
+                self.fresh[g] = False
+        else:
+            for g in self.feedthrough:
+                self.fresh[g] = False
+
+    def may_set(self, vr: int) -> bool:
+        """Whether a parameter may be set now; says why not."""
+        name = self.table.names[vr]
+        if self.table.kinds[vr] >= OUTPUT:
+            return self.fail(f"{name} is an output and cannot be set: set an input or a parameter")
+        if self.mode < STEPPING or self.table.tunable[vr]:
+            return True
+        return self.fail(
+            f"{name} is a fixed parameter and cannot be set in mode {_MODES[self.mode]}: "
+            "set it before initialization ends"
+        )
+
+    def unknown(self, vr: int, type_: str) -> None:
+        """A value reference that does not belong to a variable of the type."""
+        self.fail(
+            f"value reference {vr} is not a variable of type {type_}: "
+            "use the value references of modelDescription.xml"
+        )
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Values of Integer and enumeration variables."""
+        values: list[int] = []
+        for vr in vrs:
+            if vr < 0 or vr >= self.table.size or self.table.is_real(vr):
+                self.unknown(vr, "Integer or Enumeration")
+                values.append(0)
+            elif self.table.kinds[vr] == COUNT:
+                values.append(min(self.count_of(vr), 2147483647))
+            else:
+                values.append(self.integers[vr])
+        return values
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Set Integer and enumeration parameters."""
+        for i in range(len(vrs)):
+            vr = vrs[i]
+            if vr < 0 or vr >= self.table.size or self.table.is_real(vr):
+                self.unknown(vr, "Integer or Enumeration")
+            elif self.may_set(vr):
+                self.integers[vr] = values[i]
+                self.stale = self.mode < STEPPING
+                self.retuned = True
+                self.pending = True
+        for g in range(len(self.fresh)):
+            self.fresh[g] = False
+
+    # -- stepping --------------------------------------------------------------------------------------
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """One communication step; False and one error message where it fails."""
+        if self.mode != STEPPING:
+            return self.out_of_order("fmi2DoStep", "between initialization and termination")
+        if not 0.0 < step_size <= LARGEST:
+            return self.fail(
+                f"communicationStepSize = {step_size!r} s cannot be used: "
+                "give a finite step size above zero"
+            )
+        now = self.time
+        if current_time != now and not (
+            abs(current_time - now) <= 1e-6 * step_size + 16.0 * EPSILON * abs(now)
+        ):
+            return self.fail(
+                f"currentCommunicationPoint = {current_time!r} s is not the present time {now!r} s: "
+                "continue from there, or restore a state that was saved at the wanted time"
+            )
+        end = current_time + step_size
+        if end <= current_time:
+            return self.fail(
+                f"communicationStepSize = {step_size!r} s vanishes beside the present time "
+                f"{now!r} s: give a larger step"
+            )
+        if self.pending:
+            message = self.bad_value()
+            if message:
+                return self.fail(message)
+            self.take_inputs()
+            self.pending = False
+        message = self.advance(step_size)
+        if message:
+            return self.fail(message)
+        self.time = end
+        fresh = self.fresh
+        for g in range(len(fresh)):
+            fresh[g] = False
+        return True
+
+    # -- saved states ----------------------------------------------------------------------------------
+    def get_state(self) -> list[list[float]]:
+        """All that changes, as lists of finite floats; the first list is mode, time and tolerance."""
+        table = self.table
+        head = [
+            float(self.mode),
+            self.time,
+            1.0 if self.tolerance_defined else 0.0,
+            self.tolerance,
+            1.0 if self.stale else 0.0,
+        ]
+        state = [head, self.reals[: table.first_output]]
+        state.append([float(i) for i in self.integers[: table.first_input]])
+        if self.mode != INSTANTIATED:
+            state.extend(self.system_state())
+        return state
+
+    def set_state(self, state: list[list[float]]) -> None:
+        """Return to a get_state() of an instance of the same FMU."""
+        table = self.table
+        head = state[0]
+        parameters = state[1][: table.first_input]
+        integers = [int(x) for x in state[2]]
+        mode = int(head[0])
+        same = (
+            self.mode != INSTANTIATED
+            and not self.stale
+            and self.reals[: table.first_input] == parameters
+            and self.integers[: table.first_input] == integers
+            and self.tolerance == head[3]
+        )
+        self.mode = mode
+        self.time = head[1]
+        self.tolerance_defined = head[2] != 0.0
+        self.tolerance = head[3]
+        self.reals[: table.first_output] = state[1]
+        self.integers[: table.first_input] = integers
+        if mode != INSTANTIATED:
+            if not same:
+                self.start()
+            self.restore_system(state[3:])
+        self.stale = head[4] != 0.0
+        self.pending = True
+        self.retuned = True
+        for g in range(len(self.fresh)):
+            self.fresh[g] = False
+
+
+class PlantEngine(Engine):
+    """A mechanical model with a time-integration method."""
+
+    def __init__(self, table: Table, guid: str, factory: Callable[[dict[str, int]], Model]) -> None:
+        self.factory = factory
+        self.model: Model = Model()
+        self.method: Method = Method()
+        self.step: float = 0.0
+        self.relative: float = 0.0
+        self.max_steps: int = 0
+        super().__init__(table, guid)
+
+    def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
+        model = self.factory(choices)
+        item = choices["solver.method"]
+        if item == _EXACT and not model.is_linear:
+            return (
+                "solver.method = exact needs the linear fidelity, whose solution is known: "
+                "set model.fidelity = linear, or choose another solver.method such as adaptive"
+            )
+        try:
+            model.start(reals, choices)
+        except ValueError as error:
+            return str(error)
+        self.model = model
+        self.method = create(item)
+        self.step = reals["solver.step"]
+        self.relative = reals["solver.tolerance"]
+        self.max_steps = choices["solver.max_steps"]
+        self.grouped(model.OUTPUTS, model.FEEDTHROUGH)
+        return "" if self.finite() else "the initial state is not finite: choose smaller start values"
+
+    def take_inputs(self) -> None:
+        self.model.set_inputs(self.reals, self.table.first_input)
+
+    def observe(self, group: int) -> None:
+        self.model.observe(group, self.reals, self.table.first_output)
+
+    def count_of(self, vr: int) -> int:
+        return self.method.steps if vr == self.table.first_count else self.method.evaluations
+
+    def finite(self) -> bool:
+        """Whether state and work are finite and small enough to be squared."""
+        m = self.model
+        return (
+            -LARGEST < m.q0 < LARGEST
+            and -LARGEST < m.q1 < LARGEST
+            and -LARGEST < m.v0 < LARGEST
+            and -LARGEST < m.v1 < LARGEST
+            and -LARGEST < m.work < LARGEST
+        )
+
+    def advance(self, duration: float) -> str:
+        model = self.model
+        method = self.method
+        count = 1.0
+        if not method.CHOOSES_STEP:
+            count = substeps(duration, self.step, self.time)
+            if count > self.max_steps:
+                return self.explain(TOO_MANY_STEPS, duration / count, duration)
+        elif not model.is_constant and method.ORDER == 0:
+            return (
+                "solver.method = exact needs a constant parabola.coefficient, but its rate or "
+                "parabola.coefficient_acceleration is not zero: choose another solver.method "
+                "such as adaptive, or keep the coefficient constant"
+            )
+        steps = method.steps
+        evaluations = method.evaluations
+        memory = method.get_state() if method.CHOOSES_STEP else []
+        model.keep()
+        try:
+            failure = method.advance(model, duration, int(count), self.relative, self.max_steps)
+            if failure == DONE:
+                model.advance_frame(duration)
+                if self.finite():
+                    return ""
+                failure = NOT_FINITE
+        except (ZeroDivisionError, OverflowError, ValueError):
+            failure = NOT_FINITE
+        by_method = method.CHOOSES_STEP or failure != NOT_FINITE
+        message = self.explain(failure, method.reached if by_method else duration / count, duration)
+        model.undo()
+        method.steps = steps
+        method.evaluations = evaluations
+        if method.CHOOSES_STEP:
+            method.set_state(memory)
+        return message
+
+    def explain(self, failure: int, reached: float, duration: float) -> str:
+        """The message of a failed step: what, where and what to do."""
+        where = f" at time {self.time!r} s in a communication step of {duration!r} s"
+        if failure == TOO_MANY_STEPS:
+            return (
+                f"solver.max_steps = {self.max_steps} internal steps do not reach the end{where}; "
+                f"the step size reached is {reached!r} s: raise solver.max_steps, "
+                "solver.step or solver.tolerance, or shorten the communication step"
+            )
+        if failure == STEP_TOO_SMALL:
+            return (
+                f"solver.tolerance = {self.relative!r} asks for an internal step of {reached!r} s, "
+                f"below the resolution of time{where}: raise solver.tolerance"
+            )
+        if failure == NOT_CONVERGED:
+            return (
+                f"solver.method = implicit: the Newton iteration does not converge{where}, even with "
+                f"an internal step of {reached!r} s: reduce solver.step"
+            )
+        m = self.model
+        return (
+            f"the state left the finite numbers{where} with internal steps of {reached!r} s "
+            f"(coordinates {m.q0!r}, {m.q1!r}, rates {m.v0!r}, {m.v1!r}): "
+            "reduce solver.step, or choose solver.method = adaptive or implicit"
+        )
+
+    def system_state(self) -> list[list[float]]:
+        counters = [float(self.method.steps), float(self.method.evaluations)]
+        return [self.model.get_state(), counters, self.method.get_state()]
+
+    def restore_system(self, state: list[list[float]]) -> None:
+        self.take_inputs()
+        self.model.set_state(state[0])
+        self.method.steps = int(state[1][0])
+        self.method.evaluations = int(state[1][1])
+        self.method.set_state(state[2])
+
+
+class DriveEngine(Engine):
+    """The control law of the drive."""
+
+    def __init__(self, table: Table, guid: str) -> None:
+        self.law: ParabolaDrive = ParabolaDrive()
+        super().__init__(table, guid)
+
+    def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
+        law = ParabolaDrive()
+        law.start(reals, choices, self.time)
+        self.law = law
+        self.grouped(law.OUTPUTS, law.FEEDTHROUGH)
+        return ""
+
+    def take_inputs(self) -> None:
+        table = self.table
+        if self.retuned:
+            reals: dict[str, float] = {}
+            choices: dict[str, int] = {}
+            for vr in range(table.first_input):
+                if table.kinds[vr] == PARAMETER:
+                    reals[table.names[vr]] = self.reals[vr]
+                else:
+                    choices[table.names[vr]] = self.integers[vr]
+            self.law.set_parameters(reals, choices)
+            self.retuned = False
+        self.law.set_inputs(self.reals, table.first_input)
+
+    def observe(self, group: int) -> None:
+        self.law.observe(group, self.reals, self.table.first_output)
+
+    def advance(self, duration: float) -> str:
+        self.law.advance(self.time, duration)
+        return ""
+
+    def system_state(self) -> list[list[float]]:
+        return [self.law.get_state()]
+
+    def restore_system(self, state: list[list[float]]) -> None:
+        self.take_inputs()
+        self.law.set_state(state[0])
