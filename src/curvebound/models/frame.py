@@ -1,0 +1,165 @@
+"""A frame that is moved by given accelerations, and what every model in such a frame shares."""
+
+from __future__ import annotations
+
+import math
+
+from .angles import reduce_angle
+from .base import Model
+
+__all__ = ["FramedModel"]
+
+#: q0, q1, v0, v1, work, frame position and velocity, turns
+Kept = tuple[float, float, float, float, float, float, float, float, float, float]
+
+
+class FramedModel(Model):
+    """A model whose curve is fixed to a translating frame, at rest in the origin at the start.
+
+    Frame acceleration and forces are constant over a communication step, so that position and
+    velocity of the frame are polynomials of time there and advance_frame() is exact. Inputs are no
+    part of the saved state: call set_inputs() again after set_state() with other inputs.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        # gravity (m/s2); frame: position (m), velocity (m/s), acceleration (m/s2)
+        self.gx: float = 0.0
+        self.gy: float = 0.0
+        self.x: float = 0.0
+        self.y: float = 0.0
+        self.vx: float = 0.0
+        self.vy: float = 0.0
+        self.ax: float = 0.0
+        self.ay: float = 0.0
+        #: whether the frame has a velocity or an acceleration
+        self.moving: bool = False
+        #: whole turns that the state angle does not contain
+        self.turns: float = 0.0
+        #: J, energy.total at the start
+        self.initial_energy: float = 0.0
+        self.kept: Kept = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self.kept_settles: bool = False
+
+    def rest_frame(self, parameters: dict[str, float]) -> None:
+        """Take gravity; put the frame at rest in the origin, without inputs or work done."""
+        self.gx = parameters["gravity.x"]
+        self.gy = parameters["gravity.y"]
+        self.x = self.y = self.vx = self.vy = self.ax = self.ay = 0.0
+        self.moving = False
+        self.work = 0.0
+
+    def note_initial_energy(self) -> None:
+        """Remember energy.total; raises ValueError if the initial state is beyond the floats."""
+        kinetic, potential = self.energies()
+        self.initial_energy = kinetic + potential
+        if not math.isfinite(self.initial_energy):
+            raise ValueError(
+                f"the initial energy is {self.initial_energy!r} J: masses, lengths, gravity and "
+                "initial values multiply to more than a float holds; use smaller ones"
+            )
+
+    def energies(self) -> tuple[float, float]:
+        """Kinetic and potential energy (J) of the present state."""
+        raise NotImplementedError
+
+    def refresh(self) -> None:
+        """Bring what is derived from state, frame and inputs up to date."""
+        raise NotImplementedError
+
+    def advance_frame(self, duration: float) -> None:
+        if self.moving:
+            half = 0.5 * duration
+            self.x += duration * (self.vx + half * self.ax)
+            self.y += duration * (self.vy + half * self.ay)
+            self.vx += duration * self.ax
+            self.vy += duration * self.ay
+
+    def write_energies(self, values: list[float], at: int) -> None:
+        """Write energy.kinetic, .potential, .total, .residual from values[at] on."""
+        kinetic, potential = self.energies()
+        total = kinetic + potential
+        values[at] = kinetic
+        values[at + 1] = potential
+        values[at + 2] = total
+        values[at + 3] = total - (self.initial_energy + self.work)
+
+    # -- rollback and saved state ----------------------------------------------------------------
+    def get_state(self) -> list[float]:
+        return [
+            self.q0,
+            self.q1,
+            self.v0,
+            self.v1,
+            self.work,
+            self.x,
+            self.y,
+            self.vx,
+            self.vy,
+            self.turns,
+            1.0 if self.settles else 0.0,
+            self.initial_energy,
+        ]
+
+    def set_state(self, state: list[float]) -> None:
+        expected = len(self.get_state())
+        if len(state) != expected:
+            raise ValueError(
+                f"the saved state has {len(state)} numbers where {expected} belong: "
+                "it was written by another model; pass one that this model wrote"
+            )
+        self.q0 = state[0]
+        self.q1 = state[1]
+        self.v0 = state[2]
+        self.v1 = state[3]
+        self.work = state[4]
+        self.x = state[5]
+        self.y = state[6]
+        self.vx = state[7]
+        self.vy = state[8]
+        self.turns = state[9]
+        self.settles = state[10] != 0.0
+        self.initial_energy = state[11]
+
+    def keep(self) -> None:
+        self.kept = (
+            self.q0,
+            self.q1,
+            self.v0,
+            self.v1,
+            self.work,
+            self.x,
+            self.y,
+            self.vx,
+            self.vy,
+            self.turns,
+        )
+        self.kept_settles = self.settles
+
+    def undo(self) -> None:
+        (
+            self.q0,
+            self.q1,
+            self.v0,
+            self.v1,
+            self.work,
+            self.x,
+            self.y,
+            self.vx,
+            self.vy,
+            self.turns,
+        ) = self.kept
+        self.settles = self.kept_settles
+        self.refresh()
+
+    # -- turns -----------------------------------------------------------------------------------
+    def set_angle(self, angle: float) -> float:
+        """Count the whole turns of an initial angle (rad) and return what remains."""
+        rest, self.turns = reduce_angle(angle)
+        return rest
+
+    def take_turns(self, angle: float) -> float:
+        """Move the whole turns of a state angle (rad) to the count and return what remains."""
+        rest, turns = reduce_angle(angle)
+        self.turns += turns
+        return rest
