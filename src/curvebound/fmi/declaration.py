@@ -9,9 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .engine import Engine
+    from .engine import System
 
 __all__ = [
     "CHOICE",
@@ -85,9 +83,12 @@ def parameter(
     )
 
 
-def choice(name: str, type_: Enumeration, start: str, description: str) -> Variable:
+def choice(
+    name: str, type_: Enumeration, start: str, description: str, *, tunable: bool = False
+) -> Variable:
     """An enumeration parameter that starts at the item called `start`."""
-    return Variable(CHOICE, name, "", type_.number(start), description, type=type_)
+    number = type_.number(start)
+    return Variable(CHOICE, name, "", number, description, tunable=tunable, type=type_)
 
 
 def count_parameter(name: str, start: int, description: str, *, at_least: int) -> Variable:
@@ -113,13 +114,13 @@ def count(name: str, description: str) -> Variable:
 class Fmu(NamedTuple):
     """An FMU: its variables and the system of the kernel that gives them their meaning.
 
-    `system` returns a new engine for the variables: plant(...) or controller(...) of engine.py.
+    `system` makes the engines of its instances: Plant(...) or Controller(...) of engine.py.
     `stop_time` and `step_size` (s) and `tolerance` are those of DefaultExperiment.
     """
 
     name: str
     description: str
-    system: Callable[[], Engine]
+    system: System
     variables: tuple[Variable, ...]
     stop_time: float = 10.0
     step_size: float = 0.01

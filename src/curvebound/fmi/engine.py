@@ -23,7 +23,18 @@ from ..integrators.base import (
 from ..models.base import Model
 from ..models.parabola_drive import ParabolaDrive
 
-__all__ = ["ERROR", "WARNING", "DriveEngine", "Engine", "Message", "PlantEngine", "Table"]
+__all__ = [
+    "ERROR",
+    "WARNING",
+    "ControllerEngine",
+    "Engine",
+    "Controller",
+    "Message",
+    "Plant",
+    "PlantEngine",
+    "System",
+    "Table",
+]
 
 # fmi2Status
 WARNING: Final = 1
@@ -202,6 +213,16 @@ class Engine:
     def restore_system(self, state: list[list[float]]) -> None:
         """Return to a system_state()."""
         raise NotImplementedError
+
+    def dependencies(self) -> list[list[int]]:
+        """For each variable, the inputs on which it depends within the same instant."""
+        table = self.table
+        self.start()
+        inputs = list(range(table.first_input, table.first_output))
+        return [
+            inputs if self.groups[vr] in self.feedthrough and self.groups[vr] >= 0 else []
+            for vr in range(table.size)
+        ]
 
     # -- life cycle ------------------------------------------------------------------------------------
     def setup_experiment(self, start_time: float, tolerance_defined: bool, tolerance: float) -> bool:
@@ -674,15 +695,16 @@ class PlantEngine(Engine):
         self.method.set_state(state[2])
 
 
-class DriveEngine(Engine):
-    """The control law of the drive."""
+class ControllerEngine(Engine):
+    """A control law."""
 
-    def __init__(self, table: Table, guid: str) -> None:
-        self.law: ParabolaDrive = ParabolaDrive()
+    def __init__(self, table: Table, guid: str, factory: Callable[[], ParabolaDrive]) -> None:
+        self.factory = factory
+        self.law: ParabolaDrive = factory()
         super().__init__(table, guid)
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
-        law = ParabolaDrive()
+        law = self.factory()
         law.start(reals, choices, self.time)
         self.law = law
         self.grouped(law.OUTPUTS, law.FEEDTHROUGH)
@@ -715,3 +737,31 @@ class DriveEngine(Engine):
     def restore_system(self, state: list[list[float]]) -> None:
         self.take_inputs()
         self.law.set_state(state[0])
+
+
+class System:
+    """Makes the engines of an FMU's instances."""
+
+    def create(self, table: Table, guid: str) -> Engine:
+        """A new engine for the variables of `table`."""
+        raise NotImplementedError
+
+
+class Plant(System):
+    """Engines of a mechanical model; `factory` picks the model from the choices."""
+
+    def __init__(self, factory: Callable[[dict[str, int]], Model]) -> None:
+        self.factory = factory
+
+    def create(self, table: Table, guid: str) -> Engine:
+        return PlantEngine(table, guid, self.factory)
+
+
+class Controller(System):
+    """Engines of a control law."""
+
+    def __init__(self, factory: Callable[[], ParabolaDrive]) -> None:
+        self.factory = factory
+
+    def create(self, table: Table, guid: str) -> Engine:
+        return ControllerEngine(table, guid, self.factory)

@@ -1,0 +1,209 @@
+"""Building an FMU: PythonFMU packs it, then its parts are isolated and the bytes made repeatable."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib
+import importlib.util
+import os
+import re
+import sys
+import tempfile
+import time
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from pythonfmu.builder import FmuBuilder
+
+from ..errors import CurveboundError
+from ..places import fmus_directory
+from . import compile as kernel
+from . import forwarding
+from .declaration import Fmu
+from .description import timestamp
+from .runtime import kernel_hash, package_name, runtime_files
+
+__all__ = ["BuiltFmu", "build", "load_declaration", "names"]
+
+_MAIN = """\
+from {package}.fmi.slave import Slave as Fmi2Slave
+
+from {declaration} import FMU
+
+
+class {name}(Fmi2Slave):
+    fmu = FMU
+    guid_text = "{guid}"
+    forwarded = {forwarded!r}
+"""
+
+#: the parts of PythonFMU that the slave's base class needs
+_PYTHONFMU = ("fmi2slave", "variables", "enums", "logmsg", "default_experiment", "_version")
+
+
+class BuiltFmu(NamedTuple):
+    """A built FMU: its name, its path and one line that says what was done."""
+
+    name: str
+    path: Path
+    message: str
+
+
+def _snake(name: str) -> str:
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
+def names() -> list[str]:
+    """The FMUs that can be built: one file each in fmus/."""
+    return sorted(
+        "".join(word.capitalize() for word in path.stem.split("_"))
+        for path in fmus_directory().glob("*.py")
+    )
+
+
+def _source(name: str) -> Path:
+    path = fmus_directory() / f"{_snake(name)}.py"
+    if name not in names():
+        raise CurveboundError(f"there is no FMU {name!r}: choose one of {', '.join(names())}")
+    return path
+
+
+def load_declaration(name: str) -> Fmu:
+    """The declaration in fmus/ of the FMU called `name`."""
+    spec = importlib.util.spec_from_file_location(f"curvebound_fmus_{_snake(name)}", _source(name))
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    fmu: Fmu = module.FMU
+    if fmu.name != name:
+        raise CurveboundError(
+            f"{_source(name).name} declares an FMU {fmu.name!r}: call it {name!r} or rename the file"
+        )
+    return fmu
+
+
+def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
+    """Build the FMU `name` into the folder `out` as NAME.fmu.
+
+    With `compiled` the kernel is compiled where that is possible. Building twice gives the same
+    bytes. Raises CurveboundError for an unknown name or a failing compiler.
+    """
+    began = time.perf_counter()
+    source = _source(name).read_bytes()
+    extensions: dict[str, bytes] = {}
+    how = "interpreted (--no-compile)"
+    if compiled:
+        missing = kernel.why_not()
+        how = f"interpreted ({missing})"
+        if not missing:
+            extensions = kernel.compile_kernel()
+            how = f"kernel compiled for {sys.implementation.cache_tag}"
+    forwarder = forwarding.compile_forwarder()
+    package = package_name(compiled=bool(extensions))
+    digest = hashlib.sha256(kernel_hash().encode() + source).hexdigest()
+    guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+    suffix = digest[:12] + ("c" if extensions else "")
+    declaration = f"{name}_declaration_{suffix}"
+    texts = {
+        f"{name}_{suffix}.py": _MAIN.format(
+            package=package,
+            declaration=declaration,
+            name=name,
+            guid=guid,
+            forwarded=("linux",) if forwarder else (),
+        ).encode(),
+        f"{declaration}.py": re.sub(rb"(?m)^from curvebound\.", f"from {package}.".encode(), source),
+    }
+    files = _pack(name, f"{name}_{suffix}", texts, package)
+    files.update({f"resources/{path}": content for path, content in extensions.items()})
+    _isolate(files, package)
+    if forwarder:
+        binary = f"binaries/linux64/{name}.so"
+        files["binaries/linux64/pythonfmu-export.so"] = files[binary]
+        files[binary] = forwarder.read_bytes()
+        how += ", forwarding library for linux64"
+    else:
+        how += f", PythonFMU's binary ({forwarding.why_not()})"
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / f"{name}.fmu"
+    _write(path, files)
+    seconds = time.perf_counter() - began
+    return BuiltFmu(name, path, f"{path}: {how}, {path.stat().st_size // 1024} kB, {seconds:.1f} s")
+
+
+def _pack(name: str, main: str, texts: dict[str, bytes], package: str) -> dict[str, bytes]:
+    """Let PythonFMU pack the FMU; returns its files."""
+    with tempfile.TemporaryDirectory(prefix="curvebound-build-") as scratch:
+        stage = Path(scratch) / "stage"
+        stage.mkdir()
+        for file, content in texts.items():
+            (stage / file).write_bytes(content)
+        for file, content in runtime_files().items():
+            path = stage / package / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        others = [path for path in stage.iterdir() if path.name != f"{main}.py"]
+        with _own_modules(package, *(file[:-3] for file in texts)):
+            target = FmuBuilder.build_FMU(
+                stage / f"{main}.py", dest=Path(scratch) / f"{name}.fmu", project_files=others
+            )
+        with zipfile.ZipFile(target) as archive:
+            return {i.filename: archive.read(i) for i in archive.infolist() if not i.is_dir()}
+
+
+@contextlib.contextmanager
+def _own_modules(*names: str) -> Iterator[None]:
+    """Leave neither sys.path nor sys.modules changed: PythonFMU's builder imports what it packs."""
+    path = sys.path[:]
+    writes = sys.dont_write_bytecode
+    sys.dont_write_bytecode = True
+    _forget(names)
+    importlib.invalidate_caches()
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        sys.dont_write_bytecode = writes
+        _forget(names)
+        importlib.invalidate_caches()
+
+
+def _forget(names: tuple[str, ...]) -> None:
+    for module in list(sys.modules):
+        if module.split(".")[0] in names:
+            del sys.modules[module]
+
+
+def _isolate(files: dict[str, bytes], package: str) -> None:
+    """Move PythonFMU's modules into the FMU's own package, so that no other FMU's are met."""
+    prefix = "resources/pythonfmu/"
+    for path in [p for p in files if p.startswith(prefix)]:
+        content = files.pop(path)
+        if path[len(prefix) : -3] in _PYTHONFMU:
+            files[f"resources/{package}/pythonfmu/{path[len(prefix) :]}"] = content
+    files[f"resources/{package}/pythonfmu/__init__.py"] = b""
+    slave = f"resources/{package}/fmi/slave.py"
+    files[slave] = files[slave].replace(b"\nfrom pythonfmu.", b"\nfrom ..pythonfmu.")
+
+
+def _write(path: Path, files: dict[str, bytes]) -> None:
+    """Write the archive with sorted names and one date, then rename it into place."""
+    date = max(timestamp().timetuple()[:6], (1980, 1, 1, 0, 0, 0))
+    handle, scratch = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
+            for name in sorted(files, key=lambda n: (n != "modelDescription.xml", n)):
+                info = zipfile.ZipInfo(name, date_time=date)
+                info.compress_type = zipfile.ZIP_DEFLATED
+                info.external_attr = (0o755 if name.endswith((".so", ".dll")) else 0o644) << 16
+                info.create_system = 3
+                archive.writestr(info, files[name])
+        os.chmod(scratch, 0o644)
+        os.replace(scratch, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(scratch)
+        raise

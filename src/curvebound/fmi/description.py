@@ -1,0 +1,183 @@
+"""modelDescription.xml of an FMU (FMI 2.0.4, chapters 2.2 and 4.3)."""
+
+from __future__ import annotations
+
+import datetime
+import os
+from importlib.metadata import version
+from xml.etree.ElementTree import Element, SubElement
+
+from .. import __date__, __version__
+from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
+from .engine import Engine
+from .units import UNITS
+
+__all__ = ["describe", "timestamp"]
+
+_CAUSALITY = {
+    PARAMETER: "parameter",
+    CHOICE: "parameter",
+    COUNT_PARAMETER: "parameter",
+    INPUT: "input",
+    OUTPUT: "output",
+    COUNT: "output",
+}
+
+_CAPABILITIES = {
+    "needsExecutionTool": "false",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "false",
+    "maxOutputDerivativeOrder": "0",
+    "canRunAsynchronuously": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+    "providesDirectionalDerivative": "false",
+}
+
+_LOG_CATEGORIES = {
+    "logStatusWarning": "Warnings: results may be inaccurate",
+    "logStatusError": "Errors: what failed, why and what to do",
+    "logAll": "All messages",
+}
+
+
+def timestamp() -> datetime.datetime:
+    """The date of a build: SOURCE_DATE_EPOCH where it is set, else that of the sources."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if epoch:
+        return datetime.datetime.fromtimestamp(int(epoch), datetime.timezone.utc)
+    return datetime.datetime.fromisoformat(__date__).replace(tzinfo=datetime.timezone.utc)
+
+
+def describe(fmu: Fmu, guid: str, engine: Engine) -> Element:
+    """The root element for `fmu`; `engine` tells which outputs depend on the inputs directly."""
+    root = Element(
+        "fmiModelDescription",
+        {
+            "fmiVersion": "2.0",
+            "modelName": fmu.name,
+            "guid": guid,
+            "description": fmu.description,
+            "author": "the curvebound developers",
+            "version": __version__,
+            "copyright": "Copyright (c) 2026 the curvebound developers",
+            "license": "MIT",
+            "generationTool": f"curvebound {__version__} with PythonFMU {version('pythonfmu')}",
+            "generationDateAndTime": timestamp().strftime("%Y-%m-%dT%H:%M:%SZ"),
+            "variableNamingConvention": "structured",
+        },
+    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": fmu.name, **_CAPABILITIES})
+    variables = fmu.ordered()
+    _unit_definitions(root, variables)
+    _type_definitions(root, variables)
+    categories = SubElement(root, "LogCategories")
+    for name, text in _LOG_CATEGORIES.items():
+        SubElement(categories, "Category", {"name": name, "description": text})
+    SubElement(
+        root,
+        "DefaultExperiment",
+        {
+            "startTime": "0",
+            "stopTime": repr(fmu.stop_time),
+            "tolerance": repr(fmu.tolerance),
+            "stepSize": repr(fmu.step_size),
+        },
+    )
+    element = SubElement(root, "ModelVariables")
+    for vr, variable in enumerate(variables):
+        element.append(_scalar_variable(vr, variable))
+    _structure(root, variables, engine)
+    return root
+
+
+def _unit_definitions(root: Element, variables: list[Variable]) -> None:
+    element = SubElement(root, "UnitDefinitions")
+    for unit in sorted({v.unit for v in variables if v.unit}):
+        exponents = {base: str(n) for base, n in UNITS[unit].items()}
+        SubElement(SubElement(element, "Unit", {"name": unit}), "BaseUnit", exponents)
+
+
+def _type_definitions(root: Element, variables: list[Variable]) -> None:
+    types = {v.type.name: v.type for v in variables if v.type}
+    if not types:
+        return
+    element = SubElement(root, "TypeDefinitions")
+    for name, type_ in types.items():
+        simple = SubElement(element, "SimpleType", {"name": name, "description": type_.description})
+        enumeration = SubElement(simple, "Enumeration")
+        for number, (item, text) in enumerate(type_.items, start=1):
+            SubElement(
+                enumeration, "Item", {"name": item, "value": str(number), "description": text}
+            )
+
+
+def _scalar_variable(vr: int, variable: Variable) -> Element:
+    causality = _CAUSALITY[variable.kind]
+    attributes = {
+        "name": variable.name,
+        "valueReference": str(vr),
+        "description": variable.description,
+        "causality": causality,
+    }
+    if causality == "parameter":
+        attributes["variability"] = "tunable" if variable.tunable else "fixed"
+        attributes["initial"] = "exact"
+    else:
+        attributes["variability"] = "discrete" if variable.kind == COUNT else "continuous"
+        if causality == "output":
+            attributes["initial"] = "calculated"
+    element = Element("ScalarVariable", attributes)
+    has_start = causality != "output"
+    if variable.kind == CHOICE:
+        assert variable.type is not None
+        SubElement(
+            element,
+            "Enumeration",
+            {
+                "declaredType": variable.type.name,
+                "min": "1",
+                "max": str(len(variable.type.items)),
+                "start": str(int(variable.start)),
+            },
+        )
+    elif variable.kind in (COUNT_PARAMETER, COUNT):
+        integer = {} if variable.minimum is None else {"min": str(int(variable.minimum))}
+        if has_start:
+            integer["start"] = str(int(variable.start))
+        SubElement(element, "Integer", integer)
+    else:
+        real = {"unit": variable.unit}
+        if variable.minimum is not None:
+            real["min"] = repr(variable.minimum)
+        if variable.nominal is not None:
+            real["nominal"] = repr(variable.nominal)
+        if has_start:
+            real["start"] = repr(variable.start)
+        SubElement(element, "Real", real)
+    return element
+
+
+def _structure(root: Element, variables: list[Variable], engine: Engine) -> None:
+    """Outputs, each with the inputs on which it depends within the same instant; initial unknowns."""
+    structure = SubElement(root, "ModelStructure")
+    outputs = SubElement(structure, "Outputs")
+    unknowns = SubElement(structure, "InitialUnknowns")
+    dependencies = engine.dependencies()
+    for vr, variable in enumerate(variables):
+        if _CAUSALITY[variable.kind] != "output":
+            continue
+        inputs = dependencies[vr]
+        SubElement(
+            outputs,
+            "Unknown",
+            {
+                "index": str(vr + 1),
+                "dependencies": " ".join(str(i + 1) for i in inputs),
+                "dependenciesKind": " ".join("dependent" for _ in inputs),
+            },
+        )
+        # without the attribute dependencies: it may depend on every parameter and start value
+        SubElement(unknowns, "Unknown", {"index": str(vr + 1)})
