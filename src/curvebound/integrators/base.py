@@ -1,7 +1,7 @@
 """The contract between a time-integration method and those who call it.
 
-A method advances a model over one communication step of given duration and keeps its own memory (the
-adaptive step size) from one to the next. It never raises for a numerical failure: it returns a
+A method advances a model over one communication step of given duration and keeps its own memory
+(the adaptive step size) from one to the next. It never raises for a numerical failure: it returns a
 Failure code, and the caller undoes the step and words the message.
 """
 
@@ -34,8 +34,9 @@ NOT_FINITE: Final = 4
 class Method:
     """Advances a model in time; one instance belongs to one model instance.
 
-    Attributes: `steps` accepted internal steps and `evaluations` of the equations of motion since the
-    start (both counted over all advance() calls), `reached` the internal step size (s) at a failure.
+    Attributes: `steps` accepted internal steps and `evaluations` of the equations of motion since
+    the start (both counted over all advance() calls), `reached` the internal step size (s) at a
+    failure.
     """
 
     #: order of convergence; 0 stands for exact
@@ -59,8 +60,9 @@ class Method:
     ) -> int:
         """Advance `model` by `duration` s and return DONE or the kind of failure.
 
-        Fixed-step methods make `count` steps of duration / count; adaptive ones honour `tolerance`
-        and make at most `max_steps`, rejected ones included. After a failure the model's state is
+        Fixed-step methods make `count` steps of duration / count, or none and TOO_MANY_STEPS where
+        count exceeds `max_steps`; adaptive ones honour `tolerance` and make at most `max_steps`,
+        rejected ones included. After a failure the model's state is
         undefined and the caller undoes it. May let ZeroDivisionError, ValueError or OverflowError
         of the model pass: they mean NOT_FINITE.
         """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..models.base import Model
-from .base import DONE, Method
+from .base import DONE, TOO_MANY_STEPS, Method
 
 __all__ = ["RK4"]
 
@@ -17,6 +17,9 @@ class RK4(Method):
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
     ) -> int:
         h = duration / count
+        if count > max_steps:
+            self.reached = h
+            return TOO_MANY_STEPS
         half = 0.5 * h
         sixth = h / 6.0
         works = model.works

@@ -1,0 +1,42 @@
+"""The explicit Euler method (Euler 1768)."""
+
+from __future__ import annotations
+
+from ..models.base import Model
+from .base import DONE, TOO_MANY_STEPS, Method
+
+__all__ = ["ExplicitEuler"]
+
+
+class ExplicitEuler(Method):
+    """One evaluation per step, order 1: the baseline, energy grows on every oscillation."""
+
+    ORDER = 1
+
+    def advance(
+        self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
+    ) -> int:
+        h = duration / count
+        if count > max_steps:
+            self.reached = h
+            return TOO_MANY_STEPS
+        works = model.works
+        settles = model.settles
+        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        for i in range(count):
+            t = i * h
+            a0, a1 = model.acceleration(t, q0, q1, v0, v1)
+            if works:
+                model.work += h * model.power(t, q0, q1, v0, v1, a0, a1)
+            q0 += h * v0
+            q1 += h * v1
+            v0 += h * a0
+            v1 += h * a1
+            if settles:
+                model.q0, model.q1, model.v0, model.v1 = q0, q1, v0, v1
+                model.settle(h)
+                q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        model.q0, model.q1, model.v0, model.v1 = q0, q1, v0, v1
+        self.steps += count
+        self.evaluations += count
+        return DONE

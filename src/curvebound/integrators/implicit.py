@@ -1,0 +1,274 @@
+"""The two-stage Gauss-Legendre method (Kuntzmann 1961, Butcher 1964).
+
+Order 4, A-stable, symplectic and symmetric (Hairer, Lubich, Wanner 2006, sec. II.1.3). Because
+q' = v the unknowns are the accelerations K1, K2 of the stages alone; with s = sqrt(3)/6,
+c = 1/2 -+ s
+
+    V_i = v + h sum_j A_ij K_j              A   = (1/4        1/4 - s )
+                                                  (1/4 + s    1/4     )
+    Q_i = q + h c_i v + h^2 sum_j B_ij K_j  B = A^2 = (1/24       1/8 - s/2)
+                                                      (1/8 + s/2  1/24     )
+
+and K_i = acceleration(t + c_i h, Q_i, V_i) is solved by Newton's method with the model's Jacobian
+at both stages, to rounding level.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from ..models.base import Jacobian, Model
+from .base import DONE, NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, Method
+
+__all__ = ["Implicit"]
+
+#: a 2 x 2 matrix by rows
+Block = tuple[float, float, float, float]
+Pair = tuple[float, float]
+
+C1: Final = 0.2113248654051871
+C2: Final = 0.7886751345948129
+A12: Final = -0.03867513459481288
+A21: Final = 0.5386751345948129
+B11: Final = 0.041666666666666664
+B12: Final = -0.01933756729740644
+B21: Final = 0.26933756729740643
+#: weights of K1, K2 in h^2 (...) of the new q; those of the new v are 1/2
+W1: Final = 0.39433756729740643
+W2: Final = 0.10566243270259355
+#: 1 / (C2 - C1), to extrapolate the accelerations
+SPREAD: Final = 1.7320508075688772
+
+#: corrections below this, relative to the acceleration, are rounding
+ROUNDING: Final = 2.3e-16
+#: corrections below this that shrink no more are the noise of the model's own arithmetic
+NOISE: Final = 1e-7
+MOST_ITERATIONS: Final = 25
+#: a step is halved at most this often (to 1e-6 of itself) when the iteration fails
+DEEPEST: Final = 20
+
+
+class Implicit(Method):
+    """Two evaluations and two Jacobians per Newton iteration, 2 or 3 iterations per step."""
+
+    ORDER = 4
+
+    def __init__(self) -> None:
+        super().__init__()
+        # accelerations at the stages of the last step, from which the next are guessed
+        self.k10: float = 0.0
+        self.k11: float = 0.0
+        self.k20: float = 0.0
+        self.k21: float = 0.0
+        #: s, size of the last step; 0: there was none
+        self.last: float = 0.0
+        self.tries: int = 0
+
+    def reset(self) -> None:
+        super().reset()
+        self.set_state([0.0] * 5)
+
+    def get_state(self) -> list[float]:
+        return [self.k10, self.k11, self.k20, self.k21, self.last]
+
+    def set_state(self, state: list[float]) -> None:
+        self.k10, self.k11, self.k20, self.k21, self.last = state
+
+    def advance(
+        self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
+    ) -> int:
+        h = duration / count
+        if count > max_steps:
+            self.reached = h
+            return TOO_MANY_STEPS
+        before = self.get_state()
+        self.tries = 0
+        for i in range(count):
+            outcome = self.step(model, i * h, h, 0, max_steps)
+            if outcome != DONE:
+                self.set_state(before)
+                return outcome
+        return DONE
+
+    def step(self, model: Model, t: float, h: float, depth: int, max_steps: int) -> int:
+        """One step of h s from time t, halved as often as the iteration needs (at most DEEPEST)."""
+        self.tries += 1
+        if self.tries > max_steps:
+            self.reached = h
+            return TOO_MANY_STEPS
+        if (self.last > 0.0 and self.attempt(model, t, h, True)) or self.attempt(
+            model, t, h, False
+        ):
+            if model.settles:
+                model.settle(h)
+            self.steps += 1
+            return DONE
+        if not math.isfinite(model.q0 + model.q1 + model.v0 + model.v1):
+            self.reached = h
+            return NOT_FINITE
+        if depth >= DEEPEST:
+            self.reached = h
+            return NOT_CONVERGED
+        half = 0.5 * h
+        outcome = self.step(model, t, half, depth + 1, max_steps)
+        if outcome != DONE:
+            return outcome
+        return self.step(model, t + half, half, depth + 1, max_steps)
+
+    def attempt(self, model: Model, t: float, h: float, extrapolate: bool) -> bool:
+        """Solve and take one step; False, with the model unchanged, where that fails."""
+        try:
+            return self.solve(model, t, h, extrapolate)
+        except (ArithmeticError, ValueError):
+            # an iterate left the model's domain: a failure of the iteration like any other
+            return False
+
+    def solve(self, model: Model, t: float, h: float, extrapolate: bool) -> bool:
+        """Newton's method for K1, K2 and, once converged, the step itself."""
+        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        hh = h * h
+        t1 = t + C1 * h
+        t2 = t + C2 * h
+        if extrapolate:
+            ratio = h / self.last
+            slope0 = SPREAD * (self.k20 - self.k10)
+            slope1 = SPREAD * (self.k21 - self.k11)
+            ahead1 = 1.0 + ratio * C1 - C1
+            ahead2 = 1.0 + ratio * C2 - C1
+            x10 = self.k10 + ahead1 * slope0
+            x11 = self.k11 + ahead1 * slope1
+            x20 = self.k10 + ahead2 * slope0
+            x21 = self.k11 + ahead2 * slope1
+        else:
+            x10, x11 = model.acceleration(t, q0, q1, v0, v1)
+            self.evaluations += 1
+            x20 = x10
+            x21 = x11
+        floor0 = math.fabs(v0) / h
+        floor1 = math.fabs(v1) / h
+        before = math.inf
+        for _ in range(MOST_ITERATIONS):
+            qa0 = q0 + h * C1 * v0 + hh * (B11 * x10 + B12 * x20)
+            qa1 = q1 + h * C1 * v1 + hh * (B11 * x11 + B12 * x21)
+            va0 = v0 + h * (0.25 * x10 + A12 * x20)
+            va1 = v1 + h * (0.25 * x11 + A12 * x21)
+            qb0 = q0 + h * C2 * v0 + hh * (B21 * x10 + B11 * x20)
+            qb1 = q1 + h * C2 * v1 + hh * (B21 * x11 + B11 * x21)
+            vb0 = v0 + h * (A21 * x10 + 0.25 * x20)
+            vb1 = v1 + h * (A21 * x11 + 0.25 * x21)
+            f10, f11 = model.acceleration(t1, qa0, qa1, va0, va1)
+            f20, f21 = model.acceleration(t2, qb0, qb1, vb0, vb1)
+            self.evaluations += 2
+            ja = model.jacobian(t1, qa0, qa1, va0, va1)
+            jb = model.jacobian(t2, qb0, qb1, vb0, vb1)
+            d10, d11, d20, d21 = solved(
+                block(1.0, hh * B11, h * 0.25, ja),
+                block(0.0, hh * B12, h * A12, ja),
+                block(0.0, hh * B21, h * A21, jb),
+                block(1.0, hh * B11, h * 0.25, jb),
+                (f10 - x10, f11 - x11),
+                (f20 - x20, f21 - x21),
+            )
+            if not math.isfinite(d10 + d11 + d20 + d21):
+                return False
+            x10 += d10
+            x11 += d11
+            x20 += d20
+            x21 += d21
+            size = 0.0
+            move0 = max(math.fabs(d10), math.fabs(d20))
+            move1 = max(math.fabs(d11), math.fabs(d21))
+            if move0 != 0.0:
+                size = move0 / max(math.fabs(x10), math.fabs(x20), floor0)
+            if move1 != 0.0:
+                size = max(size, move1 / max(math.fabs(x11), math.fabs(x21), floor1))
+            # Quadratic convergence: the next correction would be about size^3 / before^2.
+            small = size <= NOISE
+            if size <= ROUNDING or (
+                small
+                and (size >= 0.5 * before or (size / before) * (size / before) * size <= ROUNDING)
+            ):
+                break
+            before = size
+        else:
+            return False
+        if model.works:
+            model.work += (0.5 * h) * (
+                model.power(
+                    t1,
+                    q0 + h * C1 * v0 + hh * (B11 * x10 + B12 * x20),
+                    q1 + h * C1 * v1 + hh * (B11 * x11 + B12 * x21),
+                    v0 + h * (0.25 * x10 + A12 * x20),
+                    v1 + h * (0.25 * x11 + A12 * x21),
+                    x10,
+                    x11,
+                )
+                + model.power(
+                    t2,
+                    q0 + h * C2 * v0 + hh * (B21 * x10 + B11 * x20),
+                    q1 + h * C2 * v1 + hh * (B21 * x11 + B11 * x21),
+                    v0 + h * (A21 * x10 + 0.25 * x20),
+                    v1 + h * (A21 * x11 + 0.25 * x21),
+                    x20,
+                    x21,
+                )
+            )
+        model.q0 = q0 + (h * v0 + hh * (W1 * x10 + W2 * x20))
+        model.q1 = q1 + (h * v1 + hh * (W1 * x11 + W2 * x21))
+        model.v0 = v0 + (0.5 * h) * (x10 + x20)
+        model.v1 = v1 + (0.5 * h) * (x11 + x21)
+        self.k10, self.k11, self.k20, self.k21, self.last = x10, x11, x20, x21, h
+        return True
+
+
+def block(unit: float, of_q: float, of_v: float, j: Jacobian) -> Block:
+    """A 2 x 2 block of the Newton matrix: unit I - of_q dK/dq - of_v dK/dv, by rows."""
+    return (
+        unit - of_q * j[0] - of_v * j[4],
+        -of_q * j[1] - of_v * j[5],
+        -of_q * j[2] - of_v * j[6],
+        unit - of_q * j[3] - of_v * j[7],
+    )
+
+
+def solved(p: Block, q: Block, r: Block, s: Block, f: Pair, g: Pair) -> Block:
+    """(x, y) with p x + q y = f and r x + s y = g, by elimination of x.
+
+    The block of larger determinant in the first column is the pivot, whatever the units of the
+    unknowns. Raises ZeroDivisionError where the matrix is singular.
+    """
+    det = p[0] * p[3] - p[1] * p[2]
+    other = r[0] * r[3] - r[1] * r[2]
+    if math.fabs(other) > math.fabs(det):
+        p, q, r, s, f, g = r, s, p, q, g, f
+        det = other
+    inverse = 1.0 / det
+    # w = r p^-1
+    w0 = (r[0] * p[3] - r[1] * p[2]) * inverse
+    w1 = (r[1] * p[0] - r[0] * p[1]) * inverse
+    w2 = (r[2] * p[3] - r[3] * p[2]) * inverse
+    w3 = (r[3] * p[0] - r[2] * p[1]) * inverse
+    y0, y1 = solved_block(
+        s[0] - (w0 * q[0] + w1 * q[2]),
+        s[1] - (w0 * q[1] + w1 * q[3]),
+        s[2] - (w2 * q[0] + w3 * q[2]),
+        s[3] - (w2 * q[1] + w3 * q[3]),
+        g[0] - (w0 * f[0] + w1 * f[1]),
+        g[1] - (w2 * f[0] + w3 * f[1]),
+    )
+    x0, x1 = solved_block(
+        p[0],
+        p[1],
+        p[2],
+        p[3],
+        f[0] - (q[0] * y0 + q[1] * y1),
+        f[1] - (q[2] * y0 + q[3] * y1),
+    )
+    return x0, x1, y0, y1
+
+
+def solved_block(a: float, b: float, c: float, d: float, f: float, g: float) -> Pair:
+    """(x, y) with a x + b y = f and c x + d y = g."""
+    inverse = 1.0 / (a * d - b * c)
+    return (d * f - b * g) * inverse, (a * g - c * f) * inverse

@@ -1,0 +1,46 @@
+"""The semi-implicit (symplectic) Euler method (Hairer, Lubich, Wanner 2006, eq. I.1.9)."""
+
+from __future__ import annotations
+
+from ..models.base import Model
+from .base import DONE, TOO_MANY_STEPS, Method
+
+__all__ = ["SemiImplicitEuler"]
+
+
+class SemiImplicitEuler(Method):
+    """One evaluation per step, order 1: the new velocity moves the coordinates.
+
+    Symplectic where the acceleration depends on q alone; with a velocity in it (damping, curved
+    constraints) the old velocity is used, so that the method stays explicit.
+    """
+
+    ORDER = 1
+
+    def advance(
+        self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
+    ) -> int:
+        h = duration / count
+        if count > max_steps:
+            self.reached = h
+            return TOO_MANY_STEPS
+        works = model.works
+        settles = model.settles
+        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        for i in range(count):
+            t = i * h
+            a0, a1 = model.acceleration(t, q0, q1, v0, v1)
+            if works:
+                model.work += h * model.power(t, q0, q1, v0, v1, a0, a1)
+            v0 += h * a0
+            v1 += h * a1
+            q0 += h * v0
+            q1 += h * v1
+            if settles:
+                model.q0, model.q1, model.v0, model.v1 = q0, q1, v0, v1
+                model.settle(h)
+                q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        model.q0, model.q1, model.v0, model.v1 = q0, q1, v0, v1
+        self.steps += count
+        self.evaluations += count
+        return DONE
