@@ -15,7 +15,7 @@ zero without that stabilisation) gives the multiplier
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import ClassVar, Final
 
 from .angles import TURN, unwind
 from .base import Jacobian
@@ -56,7 +56,7 @@ _OUTPUTS: Final[dict[str, int]] = {
 class BeadOnWire(FramedModel):
     """What both formulations share: parameters, inputs, work, outputs."""
 
-    PARAMETERS = (
+    PARAMETERS: ClassVar[tuple[str, ...]] = (
         "gravity.x",
         "gravity.y",
         "wire.radius",
@@ -67,10 +67,10 @@ class BeadOnWire(FramedModel):
         "constraint.stiffness",
         "constraint.damping",
     )
-    CHOICES = ("model.formulation", "constraint.stabilization")
-    INPUTS = ("wire.ax", "wire.ay", "bead.fx", "bead.fy")
-    OUTPUTS = _OUTPUTS
-    FEEDTHROUGH = (2,)
+    CHOICES: ClassVar[tuple[str, ...]] = ("model.formulation", "constraint.stabilization")
+    INPUTS: ClassVar[tuple[str, ...]] = ("wire.ax", "wire.ay", "bead.fx", "bead.fy")
+    OUTPUTS: ClassVar[dict[str, int]] = _OUTPUTS
+    FEEDTHROUGH: ClassVar[tuple[int, ...]] = (2,)
 
     def __init__(self) -> None:
         super().__init__()
@@ -187,7 +187,9 @@ class BeadCartesian(BeadOnWire):
         self.along: float = 0.0
         self.off: float = 0.0
         self.plain: bool = True
+        #: r^2 and its reciprocal
         self.rr: float = 1.0
+        self.per_rr: float = 1.0
         # position and p x v after the last internal step, and bounds, for counting turns
         self.last_x: float = 0.0
         self.last_y: float = 0.0
@@ -213,6 +215,7 @@ class BeadCartesian(BeadOnWire):
         self.plain = self.k == 0.0 and self.along == 0.0 and self.off == 0.0
         r = self.r
         self.rr = r * r
+        self.per_rr = 1.0 / self.rr
         self.reach = 9.0 * self.rr * self.rr
         self.q0_scale = self.q1_scale = r
         sine = math.sin(angle)
@@ -290,7 +293,7 @@ class BeadCartesian(BeadOnWire):
             scale = self.r / math.sqrt(x * x + y * y)
             x *= scale
             y *= scale
-            normal = (x * vx + y * vy) / self.rr
+            normal = (x * vx + y * vy) * self.per_rr
             vx -= normal * x
             vy -= normal * y
             self.q0 = x

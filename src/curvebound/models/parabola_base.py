@@ -1,0 +1,249 @@
+"""What both fidelities of the pendulum on the parabola share: variables, inputs, frame, geometry.
+
+A slider (mass m1) at (u, a u^2) from the vertex of the parabola and a bob (m2) at slider +
+r (sin th, -cos th); q0 = u, q1 = th. Short names used in these modules:
+
+    q = 2 a u                   slope of the parabola under the slider
+    w = cos th + q sin th       parts of the tangent (1, q) across the rod and along it,
+    k = sin th - q cos th       so that 1 + q^2 = w^2 + k^2
+    X = X'' - gravity.x         apparent horizontal acceleration of the vertex
+    G = Y'' - gravity.y + 2 a u'^2 + 4 a' u u' + a'' u^2     and vertical one, path included
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, Final
+
+from .angles import unwind
+from .frame import FramedModel
+
+__all__ = ["ParabolaBase"]
+
+_OUTPUTS: Final[dict[str, int]] = {
+    "slider.u": 0,
+    "slider.u_rate": 0,
+    "pendulum.angle": 0,
+    "pendulum.angular_velocity": 0,
+    "slider.x": 0,
+    "slider.y": 0,
+    "slider.vx": 0,
+    "slider.vy": 0,
+    "pendulum.x": 0,
+    "pendulum.y": 0,
+    "pendulum.vx": 0,
+    "pendulum.vy": 0,
+    "parabola.x": 0,
+    "parabola.y": 0,
+    "parabola.vx": 0,
+    "parabola.vy": 0,
+    "parabola.coefficient": 0,
+    "parabola.coefficient_rate": 0,
+    "energy.kinetic": 1,
+    "energy.potential": 1,
+    "energy.total": 1,
+    "energy.residual": 1,
+    "constraint.normal_force": 2,
+    "pendulum.tension": 2,
+    "parabola.fx": 2,
+    "parabola.fy": 2,
+    "model.acceleration_error": 3,
+}
+
+
+class ParabolaBase(FramedModel):
+    """Parameters, inputs, a(t), saved state and outputs of both fidelities."""
+
+    PARAMETERS: ClassVar[tuple[str, ...]] = (
+        "gravity.x",
+        "gravity.y",
+        "parabola.coefficient_start",
+        "parabola.coefficient_rate_start",
+        "slider.mass",
+        "pendulum.mass",
+        "pendulum.length",
+        "slider.damping",
+        "pendulum.damping",
+        "slider.u_start",
+        "slider.u_rate_start",
+        "pendulum.angle_start",
+        "pendulum.angular_velocity_start",
+    )
+    CHOICES: ClassVar[tuple[str, ...]] = ("model.fidelity",)
+    INPUTS: ClassVar[tuple[str, ...]] = (
+        "parabola.ax",
+        "parabola.ay",
+        "parabola.coefficient_acceleration",
+        "slider.fx",
+        "slider.fy",
+        "pendulum.fx",
+        "pendulum.fy",
+    )
+    OUTPUTS: ClassVar[dict[str, int]] = _OUTPUTS
+    FEEDTHROUGH: ClassVar[tuple[int, ...]] = (2, 3)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.m1: float = 1.0
+        self.m2: float = 1.0
+        self.mass: float = 2.0
+        self.mass_ratio: float = 2.0  # (m1 + m2) / m2
+        self.r: float = 1.0
+        self.per_r: float = 1.0
+        self.c1: float = 0.0
+        self.c2: float = 0.0
+        # coefficient at the communication point and its derivatives
+        self.a: float = 0.0
+        self.a_rate: float = 0.0
+        self.a_acceleration: float = 0.0
+        #: whether a changes during the communication step
+        self.reshapes: bool = False
+        # forces on slider and bob (N)
+        self.f1x: float = 0.0
+        self.f1y: float = 0.0
+        self.f2x: float = 0.0
+        self.f2y: float = 0.0
+        #: whether there is any force or damping
+        self.forced: bool = False
+        #: X and G without its terms in u (m/s2)
+        self.sway: float = 0.0
+        self.lift: float = 0.0
+        self.kept_a: tuple[float, float] = (0.0, 0.0)
+
+    def start(self, parameters: dict[str, float], choices: dict[str, int]) -> None:
+        self.rest_frame(parameters)
+        self.m1 = parameters["slider.mass"]
+        self.m2 = parameters["pendulum.mass"]
+        self.mass = self.m1 + self.m2
+        self.mass_ratio = self.mass / self.m2
+        self.r = parameters["pendulum.length"]
+        self.per_r = 1.0 / self.r
+        self.c1 = parameters["slider.damping"]
+        self.c2 = parameters["pendulum.damping"]
+        self.a = parameters["parabola.coefficient_start"]
+        self.a_rate = parameters["parabola.coefficient_rate_start"]
+        self.a_acceleration = 0.0
+        self.f1x = self.f1y = self.f2x = self.f2y = 0.0
+        self.turns = 0.0
+        self.settles = False
+        self.q0 = parameters["slider.u_start"]
+        self.v0 = parameters["slider.u_rate_start"]
+        self.q1 = parameters["pendulum.angle_start"]
+        self.v1 = parameters["pendulum.angular_velocity_start"]
+        self.q0_scale = self.r
+        self.q1_scale = 1.0
+        self.sway = -self.gx
+        self.lift = -self.gy
+        self.place()
+        self.note_initial_energy()
+        self.refresh()
+
+    def place(self) -> None:
+        """Bring the initial state into the form that the fidelity integrates."""
+
+    def set_inputs(self, values: list[float], first: int) -> None:
+        self.ax = values[first]
+        self.ay = values[first + 1]
+        self.a_acceleration = values[first + 2]
+        self.f1x = values[first + 3]
+        self.f1y = values[first + 4]
+        self.f2x = values[first + 5]
+        self.f2y = values[first + 6]
+        self.sway = self.ax - self.gx
+        self.lift = self.ay - self.gy
+        self.refresh()
+
+    def refresh(self) -> None:
+        self.reshapes = self.a_rate != 0.0 or self.a_acceleration != 0.0
+        self.is_constant = not self.reshapes
+        self.moving = self.ax != 0.0 or self.ay != 0.0 or self.vx != 0.0 or self.vy != 0.0
+        self.forced = (
+            self.c1 != 0.0
+            or self.c2 != 0.0
+            or self.f1x != 0.0
+            or self.f1y != 0.0
+            or self.f2x != 0.0
+            or self.f2y != 0.0
+        )
+        self.works = self.forced or self.moving or self.reshapes
+
+    def advance_frame(self, duration: float) -> None:
+        if self.moving or self.reshapes:
+            if self.reshapes:
+                self.a += duration * (self.a_rate + 0.5 * duration * self.a_acceleration)
+                self.a_rate += duration * self.a_acceleration
+            super().advance_frame(duration)
+            self.refresh()
+
+    # -- rollback and saved state ----------------------------------------------------------------
+    def get_state(self) -> list[float]:
+        return [*super().get_state(), self.a, self.a_rate]
+
+    def set_state(self, state: list[float]) -> None:
+        super().set_state(state)
+        self.a = state[12]
+        self.a_rate = state[13]
+        self.refresh()
+
+    def keep(self) -> None:
+        super().keep()
+        self.kept_a = (self.a, self.a_rate)
+
+    def undo(self) -> None:
+        self.a, self.a_rate = self.kept_a
+        super().undo()
+
+    # -- observation -----------------------------------------------------------------------------
+    def reactions(self) -> tuple[float, float, float, float]:
+        """Normal force, tension, force on the parabola (x, y), all N, of the present state."""
+        raise NotImplementedError
+
+    def acceleration_error(self) -> float:
+        """Relative difference between linear and nonlinear accelerations of the present state."""
+        raise NotImplementedError
+
+    def observe(self, group: int, values: list[float], first: int) -> None:
+        if group == 0:
+            self.write_motion(values, first)
+        elif group == 1:
+            self.write_energies(values, first + 18)
+        elif group == 2:
+            (
+                values[first + 22],
+                values[first + 23],
+                values[first + 24],
+                values[first + 25],
+            ) = self.reactions()
+        else:
+            values[first + 26] = self.acceleration_error()
+
+    def write_motion(self, values: list[float], first: int) -> None:
+        """Write the outputs of group 0."""
+        u = self.q0
+        du = self.v0
+        values[first] = u
+        values[first + 1] = du
+        values[first + 2] = unwind(self.q1, self.turns)
+        values[first + 3] = self.v1
+        au = self.a * u
+        x = self.x + u
+        y = self.y + au * u
+        vx = self.vx + du
+        vy = self.vy + (2.0 * au * du + self.a_rate * u * u)
+        values[first + 4] = x
+        values[first + 5] = y
+        values[first + 6] = vx
+        values[first + 7] = vy
+        s = math.sin(self.q1)
+        c = math.cos(self.q1)
+        speed = self.r * self.v1
+        values[first + 8] = x + self.r * s
+        values[first + 9] = y - self.r * c
+        values[first + 10] = vx + speed * c
+        values[first + 11] = vy + speed * s
+        values[first + 12] = self.x
+        values[first + 13] = self.y
+        values[first + 14] = self.vx
+        values[first + 15] = self.vy
+        values[first + 16] = self.a
+        values[first + 17] = self.a_rate

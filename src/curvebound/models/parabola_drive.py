@@ -1,0 +1,278 @@
+"""The control law that drives the parabola: waveform plus state feedback, limited and sampled.
+
+    parabola.ax = clip(-K (measurement - reference) + waveform, limit)
+
+No mechanical system: outputs are a function of inputs and time, held between samples where a sample
+period is given.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+__all__ = ["ParabolaDrive"]
+
+NO_WAVEFORM: Final = 1
+SINE: Final = 2
+CHIRP: Final = 3
+STEP: Final = 4
+
+X: Final = 1
+Y: Final = 2
+COEFFICIENT: Final = 3
+
+#: A communication point this fraction of a period from a multiple of it is that multiple, and one
+#: this fraction of time itself: masters that add up their steps arrive a little early or late.
+PERIOD_SLACK: Final = 1e-6
+TIME_SLACK: Final = 1e-14
+#: as much may be missing from waveform.start_time, relative to it
+START_SLACK: Final = 1e-12
+
+_OUTPUTS: Final[dict[str, int]] = {
+    "parabola.ax": 0,
+    "parabola.ay": 0,
+    "parabola.coefficient_acceleration": 0,
+}
+
+
+def chirp_cycles(elapsed: float, frequency: float, end_frequency: float, duration: float) -> float:
+    """Cycles of a chirp, linear in frequency over `duration` (s) and steady at the end thereafter."""
+    if elapsed <= duration:
+        return elapsed * (frequency + 0.5 * (end_frequency - frequency) * (elapsed / duration))
+    return 0.5 * (frequency + end_frequency) * duration + end_frequency * (elapsed - duration)
+
+
+class ParabolaDrive:
+    """Waveform plus state feedback, with the variables of the FMU ParabolaDrive.
+
+    Without a sample period the outputs follow inputs and time directly. With a period T they are
+    computed at the communication points k T and, from the inputs held there, at each k T inside a
+    communication step; in between they keep their value. The start counts as a sample.
+
+    Inputs and parameters are no part of the saved state.
+    """
+
+    PARAMETERS = (
+        "feedback.slider_u",
+        "feedback.slider_u_rate",
+        "feedback.pendulum_angle",
+        "feedback.pendulum_angular_velocity",
+        "feedback.parabola_x",
+        "feedback.parabola_vx",
+        "reference.pendulum_angle",
+        "reference.parabola_x",
+        "waveform.amplitude",
+        "waveform.frequency",
+        "waveform.phase",
+        "waveform.start_time",
+        "waveform.end_frequency",
+        "waveform.duration",
+        "limit.acceleration",
+        "sample.period",
+    )
+    CHOICES = ("waveform.kind", "waveform.axis")
+    INPUTS = (
+        "slider.u",
+        "slider.u_rate",
+        "pendulum.angle",
+        "pendulum.angular_velocity",
+        "parabola.x",
+        "parabola.vx",
+    )
+    OUTPUTS = _OUTPUTS
+    FEEDTHROUGH = (0,)
+
+    def __init__(self) -> None:
+        # gains, m/s2 per unit of the measurement
+        self.k_u: float = 0.0
+        self.k_u_rate: float = 0.0
+        self.k_angle: float = 0.0
+        self.k_rate: float = 0.0
+        self.k_x: float = 0.0
+        self.k_vx: float = 0.0
+        self.angle_reference: float = 0.0
+        self.x_reference: float = 0.0
+        self.kind: int = NO_WAVEFORM
+        self.axis: int = X
+        self.amplitude: float = 0.0
+        self.frequency: float = 0.0
+        self.phase: float = 0.0
+        self.start_time: float = 0.0
+        self.end_frequency: float = 0.0
+        self.duration: float = 1.0
+        self.limit: float = 0.0
+        self.period: float = 0.0
+        # measurements
+        self.u: float = 0.0
+        self.u_rate: float = 0.0
+        self.angle: float = 0.0
+        self.rate: float = 0.0
+        self.x: float = 0.0
+        self.vx: float = 0.0
+        #: s, the present communication point
+        self.time: float = 0.0
+        #: whether no step has been made yet
+        self.at_start: bool = True
+        # held outputs
+        self.ax: float = 0.0
+        self.ay: float = 0.0
+        self.coefficient: float = 0.0
+        self.kept: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+        self.kept_start: bool = True
+
+    def start(self, parameters: dict[str, float], choices: dict[str, int], time: float) -> None:
+        """Take parameters (SI units) and choices (item numbers) and begin at `time` (s)."""
+        self.period = parameters["sample.period"]
+        self.set_parameters(parameters, choices)
+        self.u = self.u_rate = self.angle = self.rate = self.x = self.vx = 0.0
+        self.ax = self.ay = self.coefficient = 0.0
+        self.time = time
+        self.at_start = True
+
+    def set_parameters(self, parameters: dict[str, float], choices: dict[str, int]) -> None:
+        """Take the tunable parameters and choices: all but sample.period."""
+        self.k_u = parameters["feedback.slider_u"]
+        self.k_u_rate = parameters["feedback.slider_u_rate"]
+        self.k_angle = parameters["feedback.pendulum_angle"]
+        self.k_rate = parameters["feedback.pendulum_angular_velocity"]
+        self.k_x = parameters["feedback.parabola_x"]
+        self.k_vx = parameters["feedback.parabola_vx"]
+        self.angle_reference = parameters["reference.pendulum_angle"]
+        self.x_reference = parameters["reference.parabola_x"]
+        self.amplitude = parameters["waveform.amplitude"]
+        self.frequency = parameters["waveform.frequency"]
+        self.phase = parameters["waveform.phase"]
+        self.start_time = parameters["waveform.start_time"]
+        self.end_frequency = parameters["waveform.end_frequency"]
+        self.duration = parameters["waveform.duration"]
+        self.limit = parameters["limit.acceleration"]
+        self.kind = choices["waveform.kind"]
+        self.axis = choices["waveform.axis"]
+
+    def set_inputs(self, values: list[float], first: int) -> None:
+        """Take the measurements values[first:first + 6], all finite, in the order of INPUTS."""
+        self.u = values[first]
+        self.u_rate = values[first + 1]
+        self.angle = values[first + 2]
+        self.rate = values[first + 3]
+        self.x = values[first + 4]
+        self.vx = values[first + 5]
+
+    # -- the law ---------------------------------------------------------------------------------
+    def waveform(self, time: float) -> float:
+        """The waveform at `time` (s), in the unit of its axis."""
+        kind = self.kind
+        if kind == NO_WAVEFORM:
+            return 0.0
+        elapsed = time - self.start_time
+        if elapsed < 0.0:
+            if elapsed < -START_SLACK * math.fabs(self.start_time):
+                return 0.0
+            elapsed = 0.0
+        if kind == STEP:
+            return self.amplitude
+        if kind == SINE:
+            cycles = self.frequency * elapsed
+        else:
+            cycles = chirp_cycles(elapsed, self.frequency, self.end_frequency, self.duration)
+        # whole cycles off first: the sine then sees a small argument
+        cycles = math.fmod(cycles, 1.0)
+        return self.amplitude * math.sin(6.283185307179586 * cycles + self.phase)
+
+    def law(self, time: float) -> tuple[float, float, float]:
+        """Accelerations of vertex (m/s2) and coefficient (1/(m s2)) from the present inputs."""
+        ax = (
+            -self.k_u * self.u
+            - self.k_u_rate * self.u_rate
+            - self.k_angle * (self.angle - self.angle_reference)
+            - self.k_rate * self.rate
+            - self.k_x * (self.x - self.x_reference)
+            - self.k_vx * self.vx
+        )
+        ay = 0.0
+        coefficient = 0.0
+        wave = self.waveform(time)
+        if self.axis == X:
+            ax += wave
+        elif self.axis == Y:
+            ay = wave
+        else:
+            coefficient = wave
+        limit = self.limit
+        if ax > limit:
+            ax = limit
+        elif ax < -limit:
+            ax = -limit
+        elif ax != ax:
+            raise OverflowError(
+                "the feedback is a difference of two infinities: gains times measurements exceed "
+                "the floats; use smaller gains"
+            )
+        return ax, ay, coefficient
+
+    def sample_time(self) -> float:
+        """The time (s) for which the present outputs are computed, NaN where they are held."""
+        time = self.time
+        period = self.period
+        if period == 0.0:
+            return time
+        sample = period * float(math.floor(time / period + 0.5))
+        if math.fabs(time - sample) <= PERIOD_SLACK * period + TIME_SLACK * math.fabs(time):
+            return sample
+        return time if self.at_start else math.nan
+
+    def advance(self, time: float, duration: float) -> None:
+        """Go from the communication point `time` to time + duration (s), sampling on the way."""
+        self.time = time
+        period = self.period
+        if period != 0.0:
+            end = time + duration
+            slack = PERIOD_SLACK * period + TIME_SLACK * (math.fabs(time) + duration)
+            # the last multiple of the period before the end; any after `time` hide that at `time`
+            sample = period * (float(math.ceil((end - slack) / period)) - 1.0)
+            if sample <= time + slack:
+                sample = self.sample_time()
+            if sample == sample:
+                self.ax, self.ay, self.coefficient = self.law(sample)
+        self.time = time + duration
+        self.at_start = False
+
+    # -- rollback and saved state ----------------------------------------------------------------
+    def get_state(self) -> list[float]:
+        """Everything that changes while running, finite floats."""
+        return [self.time, self.ax, self.ay, self.coefficient, 1.0 if self.at_start else 0.0]
+
+    def set_state(self, state: list[float]) -> None:
+        """Return to what get_state() gave, on an instance started with the same parameters."""
+        if len(state) != 5:
+            raise ValueError(
+                f"the saved state has {len(state)} numbers where 5 belong: "
+                "it was not written by ParabolaDrive; pass one that it wrote"
+            )
+        self.time = state[0]
+        self.ax = state[1]
+        self.ay = state[2]
+        self.coefficient = state[3]
+        self.at_start = state[4] != 0.0
+
+    def keep(self) -> None:
+        """Remember the present state, cheaply, for one undo()."""
+        self.kept = (self.time, self.ax, self.ay, self.coefficient)
+        self.kept_start = self.at_start
+
+    def undo(self) -> None:
+        """Return to the state that keep() remembered."""
+        self.time, self.ax, self.ay, self.coefficient = self.kept
+        self.at_start = self.kept_start
+
+    # -- observation -----------------------------------------------------------------------------
+    def observe(self, group: int, values: list[float], first: int) -> None:
+        """Write the outputs to values[first:first + 3]."""
+        sample = self.sample_time()
+        if sample == sample:
+            values[first], values[first + 1], values[first + 2] = self.law(sample)
+        else:
+            values[first] = self.ax
+            values[first + 1] = self.ay
+            values[first + 2] = self.coefficient

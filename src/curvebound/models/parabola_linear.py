@@ -1,0 +1,177 @@
+"""The pendulum on the parabola, quadratic part of the Lagrangian about u = angle = 0.
+
+With G = Y'' - gravity.y, X = X'' - gravity.x, q = 2 a(t) u, the generalised forces of the inputs
+linearised too, and G2 = G - f2y/m2:
+
+    u''    = q (f1y/m1 - G) + m2/m1 G2 (th - q) + f1x/m1 - X - c1/m1 u' + c2/(m1 r) th'
+    r th'' = q (f2y/m2 - f1y/m1) - (m1+m2)/m1 G2 (th - q) + f2x/m2 - f1x/m1
+             + c1/m1 u' - c2 (m1+m2)/(m1 m2 r) th'
+
+Written in th - q, which no mass ratio makes cancel. Energy is relative to the frame: what the model
+without drive conserves. Forces and positions are those of the exact geometry, moving with the
+linear accelerations.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .base import Jacobian
+from .parabola_nonlinear import ParabolaNonlinear
+
+__all__ = ["ParabolaLinear"]
+
+
+class ParabolaLinear(ParabolaNonlinear):
+    """q0 = u, q1 = angle; linear with coefficients that a(t) alone can make vary."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        # u'' and th'' per q, per th - q, per u', per th', and constant
+        self.u_q: float = 0.0
+        self.u_k: float = 0.0
+        self.u_p: float = 0.0
+        self.u_o: float = 0.0
+        self.u_1: float = 0.0
+        self.th_q: float = 0.0
+        self.th_k: float = 0.0
+        self.th_p: float = 0.0
+        self.th_o: float = 0.0
+        self.th_1: float = 0.0
+        self.damped: bool = False
+        self.is_linear = True
+
+    def place(self) -> None:
+        """The angle is no angle to this model: turns stay in it."""
+
+    def refresh(self) -> None:
+        super().refresh()
+        # a frame that moves steadily is none to this model
+        self.works = self.forced or self.reshapes or self.ax != 0.0 or self.ay != 0.0
+        self.damped = self.c1 != 0.0 or self.c2 != 0.0
+        m1 = self.m1
+        m2 = self.m2
+        r = self.r
+        hang = self.lift - self.f2y / m2
+        self.u_q = self.f1y / m1 - self.lift
+        self.u_k = m2 / m1 * hang
+        self.u_p = -self.c1 / m1
+        self.u_o = self.c2 / (m1 * r)
+        self.u_1 = self.f1x / m1 - self.sway
+        self.th_q = (self.f2y / m2 - self.f1y / m1) / r
+        self.th_k = -self.mass / (m1 * r) * hang
+        self.th_p = self.c1 / (m1 * r)
+        self.th_o = -self.c2 / (m1 * r) * (self.mass_ratio / r)
+        self.th_1 = (self.f2x / m2 - self.f1x / m1) / r
+
+    def acceleration(
+        self, t: float, q0: float, q1: float, v0: float, v1: float
+    ) -> tuple[float, float]:
+        a2 = 2.0 * self.a
+        if self.reshapes:
+            a2 += t * (2.0 * self.a_rate + t * self.a_acceleration)
+        q = a2 * q0
+        k = q1 - q
+        a0 = self.u_q * q + self.u_k * k + self.u_1
+        a1 = self.th_q * q + self.th_k * k + self.th_1
+        if self.damped:
+            a0 += self.u_p * v0 + self.u_o * v1
+            a1 += self.th_p * v0 + self.th_o * v1
+        return a0, a1
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+        a2 = 2.0 * self.a + t * (2.0 * self.a_rate + t * self.a_acceleration)
+        return (
+            a2 * (self.u_q - self.u_k),
+            self.u_k,
+            a2 * (self.th_q - self.th_k),
+            self.th_k,
+            self.u_p,
+            self.u_o,
+            self.th_p,
+            self.th_o,
+        )
+
+    def linear_system(self) -> list[list[float]]:
+        u_u, u_th, th_u, th_th, u_p, u_o, th_p, th_o = self.jacobian(0.0, 0.0, 0.0, 0.0, 0.0)
+        return [
+            [0.0, 0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0, 0.0],
+            [u_u, u_th, u_p, u_o, self.u_1],
+            [th_u, th_th, th_p, th_o, self.th_1],
+            [0.0, 0.0, 0.0, 0.0, 0.0],
+        ]
+
+    def power(
+        self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
+    ) -> float:
+        rate = self.a_rate + t * self.a_acceleration
+        q = (2.0 * self.a + t * (self.a_rate + rate)) * q0
+        m2 = self.m2
+        return (
+            v0
+            * (
+                (self.f1x + self.f2x - self.mass * self.ax)
+                + q * (self.f1y + self.f2y - self.mass * self.ay)
+                - self.c1 * v0
+            )
+            + v1
+            * (self.r * ((self.f2x - m2 * self.ax) + q1 * (self.f2y - m2 * self.ay)) - self.c2 * v1)
+            - self.mass * self.gy * rate * q0 * q0
+        )
+
+    def power_form(self) -> list[list[float]]:
+        half_1u = 0.5 * (self.f1x + self.f2x - self.mass * self.ax)
+        half_uu = self.a * (self.f1y + self.f2y - self.mass * self.ay)
+        half_1th = 0.5 * self.r * (self.f2x - self.m2 * self.ax)
+        half_thth = 0.5 * self.r * (self.f2y - self.m2 * self.ay)
+        return [
+            [0.0, 0.0, half_uu, 0.0, 0.0],
+            [0.0, 0.0, 0.0, half_thth, 0.0],
+            [half_uu, 0.0, -self.c1, 0.0, half_1u],
+            [0.0, half_thth, 0.0, -self.c2, half_1th],
+            [0.0, 0.0, half_1u, half_1th, 0.0],
+        ]
+
+    def energies(self) -> tuple[float, float]:
+        u = self.q0
+        th = self.q1
+        bob = self.v0 + self.r * self.v1
+        kinetic = 0.5 * (self.m1 * self.v0 * self.v0 + self.m2 * bob * bob)
+        hang = 0.5 * self.m2 * self.r * th * th
+        potential = -self.gy * (self.mass * self.a * u * u + hang)
+        return kinetic, potential - self.gx * (self.mass * u + self.m2 * self.r * th)
+
+    def reactions(self) -> tuple[float, float, float, float]:
+        # Newton's law of both masses in exact geometry
+        u = self.q0
+        du = self.v0
+        a0, a1 = self.acceleration(0.0, u, self.q1, du, self.v1)
+        s = math.sin(self.q1)
+        c = math.cos(self.q1)
+        m2 = self.m2
+        q = 2.0 * self.a * u
+        path = 2.0 * self.a * du * du + u * (self.a_acceleration * u + 4.0 * self.a_rate * du)
+        # accelerations less gravity
+        x = self.sway + a0
+        y = self.lift + path + q * a0
+        whirl = self.r * self.v1 * self.v1
+        turn = self.r * a1
+        bx = x + turn * c - whirl * s
+        by = y + turn * s + whirl * c
+        rx = self.m1 * x + m2 * bx - self.f1x - self.f2x
+        ry = self.m1 * y + m2 * by - self.f1y - self.f2y
+        normal = (ry - q * rx) / math.sqrt(1.0 + q * q)
+        tension = m2 * (y * c - x * s + whirl) + (self.f2x * s - self.f2y * c)
+        return normal, tension, -rx, -ry
+
+    def acceleration_error(self) -> float:
+        u, th, du, dth = self.q0, self.q1, self.v0, self.v1
+        r = self.r
+        l0, l1 = self.acceleration(0.0, u, th, du, dth)
+        n0, n1 = super().acceleration(0.0, u, th, du, dth)
+        # the larger of the two as the measure: finite wherever one of them is not at rest
+        size = max(math.hypot(l0, r * l1), math.hypot(n0, r * n1))
+        if size == 0.0:
+            return 0.0
+        return math.hypot(l0 - n0, r * (l1 - n1)) / size

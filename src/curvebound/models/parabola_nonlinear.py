@@ -1,0 +1,251 @@
+"""The pendulum on the parabola with nothing dropped.
+
+The equations of motion M (u'', th'') = b are solved by hand: with the symbols of parabola_base and
+F = f1x + q f1y - c1 u' (1 + q^2), e = f2x sin th - f2y cos th, f = f2x cos th + f2y sin th,
+tau = c2 th'/r, D = m1 (1 + q^2) + m2 k^2, all terms in which the determinant of M would cancel for
+m1 << m2 combine, by 1 + q^2 = w^2 + k^2 and (1, q).f2 = w f + k e, to
+
+    D u''    = k (m2 (G cos th - X sin th + r th'^2) + e) - m1 (X + q G) + F + w tau
+    r D th'' = -k ((m1+m2)(G - q X) + w (m2 r th'^2 + e)) - w F - (m1+m2)/m2 (1 + q^2) tau + D f/m2
+
+and so do tension and normal force, from Newton's law of the bob along the rod and of the slider
+across the parabola:
+
+    D tension = (1 + q^2) m1 (m2 r th'^2 + e) + m2 (m1 w (G - q X) - k (F + w tau))
+    normal sqrt(1 + q^2) = m1 (G - q X) - f1y + q f1x + w tension - k tau
+"""
+
+from __future__ import annotations
+
+import math
+
+from .angles import TURN
+from .base import Jacobian
+from .parabola_base import ParabolaBase
+
+__all__ = ["ParabolaNonlinear"]
+
+
+class ParabolaNonlinear(ParabolaBase):
+    """q0 = u, q1 = angle, whole turns counted apart."""
+
+    def place(self) -> None:
+        self.q1 = self.set_angle(self.q1)
+        # Settling each internal step is needed only by a pendulum that turns over and over: one
+        # that starts with the speed for it, or has done so before.
+        gravity = math.sqrt(self.gx * self.gx + self.gy * self.gy)
+        self.settles = self.turns != 0.0 or self.v1 * self.v1 * self.r > 4.0 * gravity
+
+    def acceleration(
+        self, t: float, q0: float, q1: float, v0: float, v1: float
+    ) -> tuple[float, float]:
+        a2 = 2.0 * self.a
+        g = self.lift
+        if self.reshapes:
+            acceleration = self.a_acceleration
+            rate = self.a_rate + t * acceleration
+            a2 += t * (self.a_rate + rate)
+            g += q0 * (acceleration * q0 + 4.0 * rate * v0)
+        s = math.sin(q1)
+        c = math.cos(q1)
+        m1 = self.m1
+        m2 = self.m2
+        q = a2 * q0
+        g += a2 * v0 * v0
+        w = c + q * s
+        k = s - q * c
+        lean = 1.0 + q * q
+        whirl = m2 * self.r * v1 * v1
+        inverse = 1.0 / (m1 * lean + m2 * k * k)
+        x = self.sway
+        if not self.forced:
+            if x == 0.0:
+                return (
+                    (k * (m2 * g * c + whirl) - m1 * q * g) * inverse,
+                    -k * (self.mass * g + w * whirl) * inverse * self.per_r,
+                )
+            return (
+                (k * (m2 * (g * c - x * s) + whirl) - m1 * (x + q * g)) * inverse,
+                -k * (self.mass * (g - q * x) + w * whirl) * inverse * self.per_r,
+            )
+        whirl += self.f2x * s - self.f2y * c
+        push = self.f1x + q * self.f1y - self.c1 * v0 * lean
+        twist = self.c2 * v1 * self.per_r
+        return (
+            (k * (m2 * (g * c - x * s) + whirl) - m1 * (x + q * g) + push + w * twist) * inverse,
+            (
+                (self.f2x * c + self.f2y * s) / m2
+                - (
+                    k * (self.mass * (g - q * x) + w * whirl)
+                    + w * push
+                    + self.mass_ratio * lean * twist
+                )
+                * inverse
+            )
+            * self.per_r,
+        )
+
+    def forces(
+        self, t: float, q0: float, q1: float, v0: float, v1: float
+    ) -> tuple[float, float, float, float]:
+        """Normal force, tension, force of the parabola on the slider (x, y), all N."""
+        acceleration = self.a_acceleration
+        rate = self.a_rate + t * acceleration
+        a2 = 2.0 * self.a + t * (self.a_rate + rate)
+        s = math.sin(q1)
+        c = math.cos(q1)
+        m1 = self.m1
+        m2 = self.m2
+        x = self.sway
+        g = self.lift + a2 * v0 * v0 + q0 * (acceleration * q0 + 4.0 * rate * v0)
+        q = a2 * q0
+        w = c + q * s
+        k = s - q * c
+        lean = 1.0 + q * q
+        whirl = m2 * self.r * v1 * v1 + (self.f2x * s - self.f2y * c)
+        drag = self.c1 * v0
+        push = self.f1x + q * self.f1y - drag * lean
+        twist = self.c2 * v1 * self.per_r
+        press = m1 * (g - q * x)
+        tension = (lean * m1 * whirl + m2 * (w * press - k * (push + w * twist))) / (
+            m1 * lean + m2 * k * k
+        )
+        across = press - self.f1y + q * self.f1x + w * tension - k * twist
+        length = math.sqrt(lean)
+        normal = across / length
+        nx = normal * (-q / length)
+        ny = normal / length
+        return normal, tension, nx - drag, ny - drag * q
+
+    def power(
+        self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
+    ) -> float:
+        # frame, shape, forces and damping work; velocities are in the world frame
+        acceleration = self.a_acceleration
+        rate = self.a_rate + t * acceleration
+        q = (2.0 * self.a + t * (self.a_rate + rate)) * q0
+        wx = self.vx + t * self.ax
+        wy = self.vy + t * self.ay + rate * q0 * q0
+        power = 0.0
+        if self.moving or self.reshapes:
+            _, _, rx, ry = self.forces(t, q0, q1, v0, v1)
+            power = rx * wx + ry * wy
+        if self.forced:
+            vx = wx + v0
+            vy = wy + q * v0
+            speed = self.r * v1
+            power += (
+                self.f1x * vx
+                + self.f1y * vy
+                + self.f2x * (vx + speed * math.cos(q1))
+                + self.f2y * (vy + speed * math.sin(q1))
+                - self.c1 * v0 * v0 * (1.0 + q * q)
+                - self.c2 * v1 * v1
+            )
+        return power
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+        # Names as in acceleration(); x_u is the derivative of x with respect to u, _o to th'.
+        acceleration = self.a_acceleration
+        rate = self.a_rate + t * acceleration
+        a2 = 2.0 * self.a + t * (self.a_rate + rate)
+        s = math.sin(q1)
+        c = math.cos(q1)
+        m1 = self.m1
+        m2 = self.m2
+        mass = self.mass
+        r = self.r
+        x = self.sway
+        g = self.lift + a2 * v0 * v0 + q0 * (acceleration * q0 + 4.0 * rate * v0)
+        g_u = 2.0 * acceleration * q0 + 4.0 * rate * v0
+        g_p = 2.0 * a2 * v0 + 4.0 * rate * q0
+        q = a2 * q0
+        w = c + q * s
+        w_u = a2 * s
+        k = s - q * c
+        k_u = -a2 * c
+        lean = 1.0 + q * q
+        lean_u = 2.0 * q * a2
+        d = m1 * lean + m2 * k * k
+        d_u = m1 * lean_u + 2.0 * m2 * k * k_u
+        d_th = 2.0 * m2 * k * w
+        along = self.f2x * c + self.f2y * s
+        out = self.f2x * s - self.f2y * c
+        whirl = m2 * r * v1 * v1 + out
+        whirl_o = 2.0 * m2 * r * v1
+        pull = m2 * (g * c - x * s) + whirl
+        pull_th = along - m2 * (g * s + x * c)
+        push = self.f1x + q * self.f1y - self.c1 * v0 * lean
+        push_u = a2 * self.f1y - self.c1 * v0 * lean_u
+        push_p = -self.c1 * lean
+        twist_o = self.c2 * self.per_r
+        twist = twist_o * v1
+        drop = mass * (g - q * x) + w * whirl
+        drop_u = mass * (g_u - a2 * x) + w_u * whirl
+        drop_th = w * along - k * whirl
+        ratio = self.mass_ratio
+
+        a0 = (k * pull - m1 * (x + q * g) + push + w * twist) / d
+        n_u = (
+            k_u * pull
+            + k * m2 * c * g_u
+            - m1 * (a2 * g + q * g_u)
+            + push_u
+            + w_u * twist
+            - a0 * d_u
+        )
+        n_th = w * pull + k * pull_th - k * twist - a0 * d_th
+        n_p = (k * m2 * c - m1 * q) * g_p + push_p
+        n_o = k * whirl_o + w * twist_o
+
+        b = -(k * drop + w * push + ratio * lean * twist) / d
+        m_u = -(
+            k_u * drop + k * drop_u + w_u * push + w * push_u + ratio * lean_u * twist + b * d_u
+        )
+        m_th = -(w * drop + k * drop_th - k * push + b * d_th) - d * out / m2
+        m_p = -(k * mass * g_p + w * push_p)
+        m_o = -(k * w * whirl_o + ratio * lean * twist_o)
+        rd = r * d
+        return (
+            n_u / d,
+            n_th / d,
+            m_u / rd,
+            m_th / rd,
+            n_p / d,
+            n_o / d,
+            m_p / rd,
+            m_o / rd,
+        )
+
+    def settle(self, h: float) -> None:
+        """Keep the angle within a turn."""
+        if math.fabs(self.q1) > TURN:
+            self.q1 = self.take_turns(self.q1)
+
+    def advance_frame(self, duration: float) -> None:
+        if math.fabs(self.q1) > TURN and not self.is_linear:
+            self.q1 = self.take_turns(self.q1)
+            self.settles = True
+        if self.moving or self.reshapes:
+            super().advance_frame(duration)
+
+    def energies(self) -> tuple[float, float]:
+        u = self.q0
+        s = math.sin(self.q1)
+        c = math.cos(self.q1)
+        au = self.a * u
+        vx = self.vx + self.v0
+        vy = self.vy + (2.0 * au * self.v0 + self.a_rate * u * u)
+        speed = self.r * self.v1
+        bx = vx + speed * c
+        by = vy + speed * s
+        kinetic = 0.5 * (self.m1 * (vx * vx + vy * vy) + self.m2 * (bx * bx + by * by))
+        potential = -self.mass * (self.gx * (self.x + u) + self.gy * (self.y + au * u))
+        return kinetic, potential - self.m2 * self.r * (self.gx * s - self.gy * c)
+
+    def reactions(self) -> tuple[float, float, float, float]:
+        normal, tension, rx, ry = self.forces(0.0, self.q0, self.q1, self.v0, self.v1)
+        return normal, tension, -rx, -ry
+
+    def acceleration_error(self) -> float:
+        return 0.0
