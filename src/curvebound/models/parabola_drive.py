@@ -28,6 +28,10 @@ PERIOD_SLACK: Final = 1e-6
 TIME_SLACK: Final = 1e-14
 #: as much may be missing from waveform.start_time, relative to it
 START_SLACK: Final = 1e-12
+#: 2^53: from here on every float is whole
+WHOLE: Final = 9007199254740992.0
+#: 2^-600: with it a product of any gain and measurement that matter fits a float
+SMALL: Final = 2.409919865102884e-181
 
 _OUTPUTS: Final[dict[str, int]] = {
     "parabola.ax": 0,
@@ -37,8 +41,8 @@ _OUTPUTS: Final[dict[str, int]] = {
 
 
 def chirp_cycles(elapsed: float, frequency: float, end_frequency: float, duration: float) -> float:
-    """Cycles of a chirp, linear in frequency over `duration` (s) and steady at the end thereafter."""
-    if elapsed <= duration:
+    """Cycles of a chirp: linear in frequency over `duration` (s), from then on at the end's."""
+    if elapsed < duration:
         return elapsed * (frequency + 0.5 * (end_frequency - frequency) * (elapsed / duration))
     return 0.5 * (frequency + end_frequency) * duration + end_frequency * (elapsed - duration)
 
@@ -177,19 +181,25 @@ class ParabolaDrive:
         else:
             cycles = chirp_cycles(elapsed, self.frequency, self.end_frequency, self.duration)
         # whole cycles off first: the sine then sees a small argument
-        cycles = math.fmod(cycles, 1.0)
+        cycles = math.fmod(cycles, 1.0) if math.fabs(cycles) < WHOLE else 0.0
         return self.amplitude * math.sin(6.283185307179586 * cycles + self.phase)
+
+    def feedback(self, scale: float) -> float:
+        """-K (measurement - reference), the measurements multiplied by `scale`."""
+        return -(
+            self.k_u * (scale * self.u)
+            + self.k_u_rate * (scale * self.u_rate)
+            + self.k_angle * (scale * self.angle - scale * self.angle_reference)
+            + self.k_rate * (scale * self.rate)
+            + self.k_x * (scale * self.x - scale * self.x_reference)
+            + self.k_vx * (scale * self.vx)
+        )
 
     def law(self, time: float) -> tuple[float, float, float]:
         """Accelerations of vertex (m/s2) and coefficient (1/(m s2)) from the present inputs."""
-        ax = (
-            -self.k_u * self.u
-            - self.k_u_rate * self.u_rate
-            - self.k_angle * (self.angle - self.angle_reference)
-            - self.k_rate * self.rate
-            - self.k_x * (self.x - self.x_reference)
-            - self.k_vx * self.vx
-        )
+        ax = self.feedback(1.0)
+        if ax - ax != 0.0:
+            ax = self.feedback(SMALL) / SMALL
         ay = 0.0
         coefficient = 0.0
         wave = self.waveform(time)
@@ -204,18 +214,13 @@ class ParabolaDrive:
             ax = limit
         elif ax < -limit:
             ax = -limit
-        elif ax != ax:
-            raise OverflowError(
-                "the feedback is a difference of two infinities: gains times measurements exceed "
-                "the floats; use smaller gains"
-            )
         return ax, ay, coefficient
 
     def sample_time(self) -> float:
         """The time (s) for which the present outputs are computed, NaN where they are held."""
         time = self.time
         period = self.period
-        if period == 0.0:
+        if period == 0.0 or math.fabs(time / period) >= WHOLE:
             return time
         sample = period * float(math.floor(time / period + 0.5))
         if math.fabs(time - sample) <= PERIOD_SLACK * period + TIME_SLACK * math.fabs(time):
@@ -226,11 +231,12 @@ class ParabolaDrive:
         """Go from the communication point `time` to time + duration (s), sampling on the way."""
         self.time = time
         period = self.period
-        if period != 0.0:
-            end = time + duration
-            slack = PERIOD_SLACK * period + TIME_SLACK * (math.fabs(time) + duration)
+        slack = PERIOD_SLACK * period + TIME_SLACK * (math.fabs(time) + duration)
+        end = time + duration - slack
+        # a period that time cannot resolve makes every communication point a sample
+        if period != 0.0 and math.fabs(end / period) < WHOLE:
             # the last multiple of the period before the end; any after `time` hide that at `time`
-            sample = period * (float(math.ceil((end - slack) / period)) - 1.0)
+            sample = period * (float(math.ceil(end / period)) - 1.0)
             if sample <= time + slack:
                 sample = self.sample_time()
             if sample == sample:

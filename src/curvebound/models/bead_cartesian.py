@@ -1,0 +1,213 @@
+"""The bead in Cartesian coordinates, held on the wire by a Lagrange multiplier.
+
+With the names of bead_base, p'' = e - k v + (lambda/m) p and the constraint C = (p.p - r^2)/2 = 0.
+Requiring C'' = -damping C' - stiffness C (Baumgarte 1972; both are zero without that
+stabilisation) gives the multiplier
+
+    lambda/m = -(p.(e - k v) + v.v + damping p.v + stiffness C) / (p.p)
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from .angles import TURN, unwind
+from .base import Jacobian
+from .bead_base import BeadBase
+
+__all__ = ["BeadCartesian"]
+
+NONE: Final = 1
+BAUMGARTE: Final = 2
+PROJECTION: Final = 3
+
+
+class BeadCartesian(BeadBase):
+    """q = position, v = velocity from the centre; the wire is held by a multiplier."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.projects: bool = False
+        self.stiffness: float = 0.0
+        self.feedback: float = 0.0
+        #: factors of p.v and of p.p - r^2 in the multiplier, and whether both are zero
+        self.along: float = 0.0
+        self.off: float = 0.0
+        self.plain: bool = True
+        #: r^2 and its reciprocal
+        self.rr: float = 1.0
+        self.per_rr: float = 1.0
+        # position and p x v after the last internal step, and bounds, for counting turns
+        self.last_x: float = 0.0
+        self.last_y: float = 0.0
+        self.last_spin: float = 0.0
+        self.swing: float = 0.0
+        self.reach: float = 0.0
+
+    def place(
+        self, angle: float, rate: float, parameters: dict[str, float], choices: dict[str, int]
+    ) -> None:
+        stabilization = choices["constraint.stabilization"]
+        if stabilization not in (NONE, BAUMGARTE, PROJECTION):
+            raise ValueError(
+                f"constraint.stabilization is {stabilization}: choose 1 (none), 2 (baumgarte) "
+                "or 3 (projection)"
+            )
+        self.projects = stabilization == PROJECTION
+        self.along = -self.k
+        self.off = 0.0
+        if stabilization == BAUMGARTE:
+            self.along += parameters["constraint.damping"]
+            self.off = 0.5 * parameters["constraint.stiffness"]
+        self.plain = self.k == 0.0 and self.along == 0.0 and self.off == 0.0
+        r = self.r
+        self.rr = r * r
+        self.per_rr = 1.0 / self.rr
+        self.reach = 9.0 * self.rr * self.rr
+        self.q0_scale = self.q1_scale = r
+        sine = math.sin(angle)
+        cosine = math.cos(angle)
+        self.q0 = r * sine
+        self.q1 = -r * cosine
+        self.v0 = r * rate * cosine
+        self.v1 = r * rate * sine
+        # atan2 may round to the other side of the upward ray than the reduced angle
+        self.turns += float(math.floor((angle - math.atan2(self.q0, -self.q1)) / TURN + 0.5))
+        self.settles = True
+
+    def refresh(self) -> None:
+        super().refresh()
+        self.last_x = self.q0
+        self.last_y = self.q1
+        self.last_spin = self.q0 * self.v1 - self.q1 * self.v0
+        # In the constant field e the square of the rate grows by no more than this / r^4
+        self.swing = 4.0 * math.sqrt(self.ex * self.ex + self.ey * self.ey) * self.r * self.rr
+
+    def acceleration(
+        self, t: float, q0: float, q1: float, v0: float, v1: float
+    ) -> tuple[float, float]:
+        ex = self.ex
+        ey = self.ey
+        pp = q0 * q0 + q1 * q1
+        push = q0 * ex + q1 * ey + v0 * v0 + v1 * v1
+        if self.plain:
+            factor = -push / pp
+            return ex + factor * q0, ey + factor * q1
+        push += self.along * (q0 * v0 + q1 * v1) + self.off * (pp - self.rr)
+        factor = -push / pp
+        k = self.k
+        return ex - k * v0 + factor * q0, ey - k * v1 + factor * q1
+
+    def power(
+        self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
+    ) -> float:
+        return self.work_rate(t, v0, v1, a0, a1)
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+        ex = self.ex
+        ey = self.ey
+        along = self.along
+        off = self.off
+        pp = q0 * q0 + q1 * q1
+        push = q0 * ex + q1 * ey + v0 * v0 + v1 * v1
+        push += along * (q0 * v0 + q1 * v1) + off * (pp - self.rr)
+        factor = -push / pp
+        twice = 2.0 * (factor + off)
+        # gradient of the factor
+        fq0 = -(ex + along * v0 + twice * q0) / pp
+        fq1 = -(ey + along * v1 + twice * q1) / pp
+        fv0 = -(2.0 * v0 + along * q0) / pp
+        fv1 = -(2.0 * v1 + along * q1) / pp
+        k = self.k
+        return (
+            factor + q0 * fq0,
+            q0 * fq1,
+            q1 * fq0,
+            factor + q1 * fq1,
+            q0 * fv0 - k,
+            q0 * fv1,
+            q1 * fv0,
+            q1 * fv1 - k,
+        )
+
+    def settle(self, h: float) -> None:
+        """Project onto the wire, if chosen, and count turns through the upward ray."""
+        x = self.q0
+        y = self.q1
+        vx = self.v0
+        vy = self.v1
+        if self.projects:
+            scale = self.r / math.sqrt(x * x + y * y)
+            x *= scale
+            y *= scale
+            normal = (x * vx + y * vy) * self.per_rr
+            vx -= normal * x
+            vy -= normal * y
+            self.q0 = x
+            self.q1 = y
+            self.v0 = vx
+            self.v1 = vy
+        spin = x * vy - y * vx
+        old_x = self.last_x
+        old_y = self.last_y
+        old_spin = self.last_spin
+        if h * h * (spin * spin + old_spin * old_spin + self.swing) < self.reach:
+            # less than half a turn: the chord crosses the upward ray if the arc does
+            if x < 0.0:
+                if old_x >= 0.0 and old_y * x < y * old_x:
+                    self.turns += 1.0
+            elif old_x < 0.0 and old_y * x > y * old_x:
+                self.turns -= 1.0
+        else:
+            self.count_turns(h, x, y, spin)
+        self.last_x = x
+        self.last_y = y
+        self.last_spin = spin
+
+    def count_turns(self, h: float, x: float, y: float, spin: float) -> None:
+        """Turns of a large step: those nearest to the corrected trapezoidal rule for the rate."""
+        old_x = self.last_x
+        old_y = self.last_y
+        old_pp = old_x * old_x + old_y * old_y
+        pp = x * x + y * y
+        old_rate = self.last_spin / old_pp
+        rate = spin / pp
+        old_change = (self.ey * old_x - self.ex * old_y) / old_pp - self.k * old_rate
+        change = (self.ey * x - self.ex * y) / pp - self.k * rate
+        advance = h * (0.5 * (old_rate + rate) + h * (old_change - change) / 12.0)
+        old_angle = math.atan2(old_x + 0.0, -old_y)
+        angle = math.atan2(x + 0.0, -y)
+        self.turns += float(math.floor((old_angle + advance - angle) / TURN + 0.5))
+
+    def advance_frame(self, duration: float) -> None:
+        if self.moving:
+            super().advance_frame(duration)
+            self.refresh()
+
+    def set_state(self, state: list[float]) -> None:
+        super().set_state(state)
+        self.refresh()
+
+    def relative(self) -> tuple[float, float, float, float]:
+        return self.q0, self.q1, self.v0, self.v1
+
+    def multiplier(self) -> float:
+        x = self.q0
+        y = self.q1
+        vx = self.v0
+        vy = self.v1
+        pp = x * x + y * y
+        push = x * self.ex + y * self.ey + vx * vx + vy * vy
+        push += self.along * (x * vx + y * vy) + self.off * (pp - self.rr)
+        return -self.m * push / pp
+
+    def rotation(self) -> tuple[float, float, float]:
+        x = self.q0
+        y = self.q1
+        pp = x * x + y * y
+        # x + 0.0 has no negative zero: the upward ray itself belongs to the angle +pi
+        angle = unwind(math.atan2(x + 0.0, -y), self.turns)
+        # |p| - r without the cancellation
+        drift = (pp - self.rr) / (math.sqrt(pp) + self.r)
+        return angle, (x * self.v1 - y * self.v0) / pp, drift
