@@ -185,6 +185,8 @@ MOST_GROWTH: Final = 5.0
 MOST_SHRINKING: Final = 0.2
 #: the smallest error, in units of the tolerance, that the controller distinguishes from none
 LEAST_ERROR: Final = 1e-6
+#: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
+LARGEST: Final = 1e300
 #: smallest step relative to the communication step
 RESOLUTION: Final = 1e-14
 
@@ -226,7 +228,7 @@ class Adaptive(Method):
         last = self.log_error
         a0, a1 = model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
         self.evaluations += 1
-        if not math.isfinite(a0 + a1 + model.v0 + model.v1):
+        if not math.fabs(a0) + math.fabs(a1) <= LARGEST:
             return NOT_FINITE
         if wished <= 0.0:
             wished = first_step(model, a0, a1, duration, tolerance)
@@ -274,7 +276,7 @@ class Adaptive(Method):
                 self.evaluations += 1
             else:
                 rejected = True
-                if math.isfinite(error):
+                if error <= LARGEST:
                     shrinking = SAFETY * math.exp(-PRESENT * math.log(error))
                     wished = h * max(shrinking, MOST_SHRINKING)
                 else:
@@ -678,16 +680,15 @@ class Adaptive(Method):
             + Y12 * k121
         )
         # the fastest relative rate, 1/s; never less than what moves q by its scale within 1000 h
-        rate = 1e-3 / h
-        rate = max(
-            rate,
-            (max(math.fabs(v0), math.fabs(w0)) + h * math.fabs(k010)) / model.q0_scale,
-            (max(math.fabs(v1), math.fabs(w1)) + h * math.fabs(k011)) / model.q1_scale,
-        )
-        d0 = 1.0 / max(model.q0_scale, math.fabs(q0), math.fabs(x0))
-        d1 = 1.0 / max(model.q1_scale, math.fabs(q1), math.fabs(x1))
-        r0 = 1.0 / (rate * model.q0_scale)
-        r1 = 1.0 / (rate * model.q1_scale)
+        s0 = model.q0_scale
+        s1 = model.q1_scale
+        rate0 = (max(math.fabs(v0), math.fabs(w0)) + h * math.fabs(k010)) / s0
+        rate1 = (max(math.fabs(v1), math.fabs(w1)) + h * math.fabs(k011)) / s1
+        rate = max(max(rate0, rate1), 1e-3 / h)
+        d0 = 1.0 / max(max(math.fabs(q0), math.fabs(x0)), s0)
+        d1 = 1.0 / max(max(math.fabs(q1), math.fabs(x1)), s1)
+        r0 = 1.0 / (rate * s0)
+        r1 = 1.0 / (rate * s1)
         e5q0 *= d0
         e5q1 *= d1
         e5v0 *= r0
@@ -701,7 +702,7 @@ class Adaptive(Method):
         error = 0.0
         if e5 > 0.0:
             error = e5 / math.sqrt(e5 + 0.01 * e3)
-        if not math.isfinite(x0 + x1 + w0 + w1 + work):
+        if not math.fabs(x0) + math.fabs(x1) + math.fabs(w0) + math.fabs(w1) <= LARGEST:
             error = math.inf
         return x0, x1, w0, w1, error, h * work
 

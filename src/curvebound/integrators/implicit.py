@@ -44,6 +44,8 @@ SPREAD: Final = 1.7320508075688772
 ROUNDING: Final = 2.3e-16
 #: corrections below this that shrink no more are the noise of the model's own arithmetic
 NOISE: Final = 1e-7
+#: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
+LARGEST: Final = 1e300
 MOST_ITERATIONS: Final = 25
 #: a step is halved at most this often (to 1e-6 of itself) when the iteration fails
 DEEPEST: Final = 20
@@ -170,7 +172,7 @@ class Implicit(Method):
                 (f10 - x10, f11 - x11),
                 (f20 - x20, f21 - x21),
             )
-            if not math.isfinite(d10 + d11 + d20 + d21):
+            if not math.fabs(d10 + d11 + d20 + d21) <= LARGEST:
                 return False
             x10 += d10
             x11 += d11
@@ -180,9 +182,9 @@ class Implicit(Method):
             move0 = max(math.fabs(d10), math.fabs(d20))
             move1 = max(math.fabs(d11), math.fabs(d21))
             if move0 != 0.0:
-                size = move0 / max(math.fabs(x10), math.fabs(x20), floor0)
+                size = move0 / max(max(math.fabs(x10), math.fabs(x20)), floor0)
             if move1 != 0.0:
-                size = max(size, move1 / max(math.fabs(x11), math.fabs(x21), floor1))
+                size = max(size, move1 / max(max(math.fabs(x11), math.fabs(x21)), floor1))
             # Quadratic convergence: the next correction would be about size^3 / before^2.
             small = size <= NOISE
             if size <= ROUNDING or (
