@@ -87,10 +87,6 @@ FMU = Fmu(
         output("wire.y", "m", "position of the wire's centre upward"),
         output("wire.vx", "m/s", "velocity of the wire's centre to the right"),
         output("wire.vy", "m/s", "velocity of the wire's centre upward"),
-        output("wire.fx", "N", "force of the bead on the wire to the right, damping included"),
-        output("wire.fy", "N", "force of the bead on the wire upward, damping included"),
-        output("constraint.multiplier", "N/m", "multiplier lambda: constraint force = lambda p"),
-        output("constraint.force", "N", "lambda times the radius, positive outward"),
         output(
             "constraint.drift",
             "m",
@@ -98,5 +94,9 @@ FMU = Fmu(
             nominal=1e-6,
         ),
         *ENERGY,
+        output("wire.fx", "N", "force of the bead on the wire to the right, damping included"),
+        output("wire.fy", "N", "force of the bead on the wire upward, damping included"),
+        output("constraint.multiplier", "N/m", "multiplier lambda: constraint force = lambda p"),
+        output("constraint.force", "N", "lambda times the radius, positive outward"),
     ),
 )

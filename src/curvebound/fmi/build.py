@@ -24,20 +24,27 @@ from . import compile as kernel
 from . import forwarding
 from .declaration import Fmu
 from .description import timestamp
-from .runtime import kernel_hash, package_name, runtime_files
+from .runtime import Runtime, runtime
 
 __all__ = ["BuiltFmu", "build", "load_declaration", "names"]
 
+#: PythonFMU's wrapper executes the main module anew for each instance, with locals of its own, and
+#: takes the class it finds in them: so there is one, and it is made once
 _MAIN = """\
-from {package}.fmi.slave import Slave as Fmi2Slave
+from {package}.fmi import slave
 
 from {declaration} import FMU
 
+slave.hold(globals())
 
-class {name}(Fmi2Slave):
-    fmu = FMU
-    guid_text = "{guid}"
-    forwarded = {forwarded!r}
+if "{name}" in globals():
+    {name} = globals()["{name}"]
+else:
+
+    class {name}(slave.Slave):
+        fmu = FMU
+        guid_text = "{guid}"
+        forwarded = {forwarded!r}
 """
 
 #: the parts of PythonFMU that the slave's base class needs
@@ -93,17 +100,18 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     """
     began = time.perf_counter()
     source = _source(name).read_bytes()
+    sources = runtime()
     extensions: dict[str, bytes] = {}
     how = "interpreted (--no-compile)"
     if compiled:
         missing = kernel.why_not()
         how = f"interpreted ({missing})"
         if not missing:
-            extensions = kernel.compile_kernel()
+            extensions = kernel.compile_kernel(sources)
             how = f"kernel compiled for {sys.implementation.cache_tag}"
     forwarder = forwarding.compile_forwarder()
-    package = package_name(compiled=bool(extensions))
-    digest = hashlib.sha256(kernel_hash().encode() + source).hexdigest()
+    package = sources.package(compiled=bool(extensions))
+    digest = hashlib.sha256(sources.digest.encode() + source).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     suffix = digest[:12] + ("c" if extensions else "")
     declaration = f"{name}_declaration_{suffix}"
@@ -117,7 +125,7 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
         ).encode(),
         f"{declaration}.py": re.sub(rb"(?m)^from curvebound\.", f"from {package}.".encode(), source),
     }
-    files = _pack(name, f"{name}_{suffix}", texts, package)
+    files = _pack(name, f"{name}_{suffix}", texts, sources, package)
     files.update({f"resources/{path}": content for path, content in extensions.items()})
     _isolate(files, package)
     if forwarder:
@@ -134,17 +142,16 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     return BuiltFmu(name, path, f"{path}: {how}, {path.stat().st_size // 1024} kB, {seconds:.1f} s")
 
 
-def _pack(name: str, main: str, texts: dict[str, bytes], package: str) -> dict[str, bytes]:
+def _pack(
+    name: str, main: str, texts: dict[str, bytes], sources: Runtime, package: str
+) -> dict[str, bytes]:
     """Let PythonFMU pack the FMU; returns its files."""
     with tempfile.TemporaryDirectory(prefix="curvebound-build-") as scratch:
         stage = Path(scratch) / "stage"
         stage.mkdir()
         for file, content in texts.items():
             (stage / file).write_bytes(content)
-        for file, content in runtime_files().items():
-            path = stage / package / file
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
+        sources.write(stage, package)
         others = [path for path in stage.iterdir() if path.name != f"{main}.py"]
         with _own_modules(package, *(file[:-3] for file in texts)):
             target = FmuBuilder.build_FMU(

@@ -16,7 +16,7 @@ from types import ModuleType
 
 from ..errors import CurveboundError
 from ..places import cache_directory
-from .runtime import COMPILED, package_name, runtime_files
+from .runtime import Runtime, runtime
 
 __all__ = ["compile_kernel", "compiled_kernel", "compiler", "why_not"]
 
@@ -56,11 +56,11 @@ def why_not() -> str:
     return ""
 
 
-def _cache() -> Path:
+def _cache(sources: Runtime) -> Path:
     key = hashlib.sha256(
         "\0".join(
             (
-                package_name(compiled=True),
+                sources.package(compiled=True),
                 sys.implementation.cache_tag or sys.version,
                 sysconfig.get_platform(),
                 version("mypy"),
@@ -72,7 +72,7 @@ def _cache() -> Path:
     return cache_directory() / "kernels" / key
 
 
-def compile_kernel() -> dict[str, bytes]:
+def compile_kernel(sources: Runtime) -> dict[str, bytes]:
     """The extension modules, path relative to the FMU's resources -> content.
 
     Raises CurveboundError where there is no compiler or it fails.
@@ -83,9 +83,9 @@ def compile_kernel() -> dict[str, bytes]:
             f"the kernel cannot be compiled: {missing}; install a C compiler and Python's headers, "
             "or build with --no-compile"
         )
-    cache = _cache()
+    cache = _cache(sources)
     if not cache.is_dir():
-        _compile_into(cache)
+        _compile_into(cache, sources)
     return {
         path.relative_to(cache).as_posix(): path.read_bytes()
         for path in sorted(cache.rglob("*"))
@@ -93,17 +93,19 @@ def compile_kernel() -> dict[str, bytes]:
     }
 
 
-def _compile_into(cache: Path) -> None:
+def _compile_into(cache: Path, sources: Runtime) -> None:
     """Compile in a scratch folder and move the result to `cache` in one rename."""
-    name = package_name(compiled=True)
+    name = sources.package(compiled=True)
     cache.parent.mkdir(parents=True, exist_ok=True)
     scratch = Path(tempfile.mkdtemp(prefix="compile-", dir=cache.parent))
     try:
-        _write_package(scratch, name)
+        sources.write(scratch, name)
+        # The package's own __init__ imports the slave, which is neither compiled nor checked here.
+        (scratch / name / "__init__.py").write_bytes(b"")
         environment = {**os.environ, "CFLAGS": _FLAGS, "SOURCE_DATE_EPOCH": "0"}
         environment.pop("PYTHONPATH", None)
         done = subprocess.run(
-            [sys.executable, "-c", _SCRIPT, name, *(f"{name}/{file}" for file in COMPILED)],
+            [sys.executable, "-c", _SCRIPT, name, *(f"{name}/{file}" for file in sources.compiled)],
             cwd=scratch,
             env=environment,
             capture_output=True,
@@ -131,20 +133,14 @@ def _compile_into(cache: Path) -> None:
         shutil.rmtree(scratch, ignore_errors=True)
 
 
-def _write_package(folder: Path, name: str) -> None:
-    for file, content in runtime_files().items():
-        path = folder / name / file
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-
-
 def compiled_kernel() -> ModuleType:
     """The compiled package itself, importable beside the interpreted one (benchmarks, tests)."""
-    name = package_name(compiled=True)
+    sources = runtime()
+    name = sources.package(compiled=True)
     if name not in sys.modules:
         folder = Path(tempfile.mkdtemp(prefix="curvebound-"))
-        _write_package(folder, name)
-        for file, content in compile_kernel().items():
+        sources.write(folder, name)
+        for file, content in compile_kernel(sources).items():
             path = folder / file
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)

@@ -20,8 +20,7 @@ from ..integrators.base import (
     TOO_MANY_STEPS,
     Method,
 )
-from ..models.base import Model
-from ..models.parabola_drive import ParabolaDrive
+from ..models.base import Law, Model
 
 __all__ = [
     "ERROR",
@@ -399,6 +398,10 @@ class Engine:
 
     def grouped(self, outputs: dict[str, int], feedthrough: tuple[int, ...]) -> None:
         """Take over the groups of the system's outputs."""
+        table = self.table
+        declared = table.names[table.first_output : table.first_count]
+        if declared != list(outputs):
+            raise ValueError(f"the outputs are declared as {declared}, but computed as {list(outputs)}")
         last = 0
         for group in outputs.values():
             last = max(last, group)
@@ -698,9 +701,9 @@ class PlantEngine(Engine):
 class ControllerEngine(Engine):
     """A control law."""
 
-    def __init__(self, table: Table, guid: str, factory: Callable[[], ParabolaDrive]) -> None:
+    def __init__(self, table: Table, guid: str, factory: Callable[[], Law]) -> None:
         self.factory = factory
-        self.law: ParabolaDrive = factory()
+        self.law: Law = factory()
         super().__init__(table, guid)
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
@@ -760,7 +763,7 @@ class Plant(System):
 class Controller(System):
     """Engines of a control law."""
 
-    def __init__(self, factory: Callable[[], ParabolaDrive]) -> None:
+    def __init__(self, factory: Callable[[], Law]) -> None:
         self.factory = factory
 
     def create(self, table: Table, guid: str) -> Engine:

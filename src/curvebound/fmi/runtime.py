@@ -9,8 +9,9 @@ from __future__ import annotations
 import hashlib
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
 
-__all__ = ["COMPILED", "kernel_hash", "package_name", "runtime_files"]
+__all__ = ["Runtime", "runtime"]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -25,46 +26,50 @@ _INTERPRETED = (
 )
 
 
-def _kernel() -> list[str]:
-    files = [
+class Runtime(NamedTuple):
+    """One reading of the sources: path inside the package -> content."""
+
+    files: dict[str, bytes]
+    #: what mypyc compiles
+    compiled: tuple[str, ...]
+    #: twelve hexadecimal digits that change with any line an FMU carries
+    digest: str
+
+    def package(self, *, compiled: bool) -> str:
+        """Name of the package inside an FMU; compiled and interpreted ones do not share modules."""
+        return f"curvebound_{self.digest}{'c' if compiled else ''}"
+
+    def write(self, folder: Path, package: str) -> None:
+        """Write the sources to `folder` as the package called `package`."""
+        for file, content in self.files.items():
+            path = folder / package / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+
+
+def runtime() -> Runtime:
+    """Read the sources that travel inside an FMU."""
+    kernel = [
         path.relative_to(_PACKAGE).as_posix()
         for folder in ("models", "integrators")
         for path in (_PACKAGE / folder).glob("*.py")
         if path.name != "__init__.py"
     ]
-    return [*sorted(files), "fmi/engine.py"]
+    compiled = (*sorted(kernel), "fmi/engine.py")
+    files = {name: (_PACKAGE / name).read_bytes() for name in (*compiled, *_INTERPRETED)}
+    files["__init__.py"] = _init(compiled).encode()
+    digest = hashlib.sha256(version("pythonfmu").encode())
+    for name, content in sorted(files.items()):
+        digest.update(name.encode() + b"\0" + content + b"\0")
+    return Runtime(files, compiled, digest.hexdigest()[:12])
 
 
-#: what mypyc compiles, relative to the package
-COMPILED: tuple[str, ...] = tuple(_kernel())
-
-
-def _init() -> str:
+def _init(compiled: tuple[str, ...]) -> str:
     """The package's __init__ inside an FMU.
 
     It imports everything at once: a second FMU of the same sources uses the first one's modules, and
     must not need a file of it after its folder has been deleted.
     """
-    modules = [name[:-3].replace("/", ".") for name in COMPILED]
-    lines = [f"from . import {m}" if "." not in m else f"from .{m} import __name__ as _" for m in modules]
+    modules = [name[:-3].replace("/", ".") for name in compiled]
+    lines = [f"from .{module} import __name__ as _" for module in modules]
     return "\n".join([*lines, "from .fmi import common, declaration, slave", ""])
-
-
-def runtime_files() -> dict[str, bytes]:
-    """Path inside the package -> content, for everything that an FMU carries."""
-    files = {name: (_PACKAGE / name).read_bytes() for name in (*COMPILED, *_INTERPRETED)}
-    files["__init__.py"] = _init().encode()
-    return files
-
-
-def kernel_hash() -> str:
-    """Twelve hexadecimal digits that change with any line an FMU carries."""
-    digest = hashlib.sha256(version("pythonfmu").encode())
-    for name, content in sorted(runtime_files().items()):
-        digest.update(name.encode() + b"\0" + content + b"\0")
-    return digest.hexdigest()[:12]
-
-
-def package_name(*, compiled: bool) -> str:
-    """Name of the package inside an FMU; compiled and interpreted builds do not share modules."""
-    return f"curvebound_{kernel_hash()}{'c' if compiled else ''}"

@@ -20,10 +20,20 @@ from .engine import ERROR, Engine, Message, Table
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-__all__ = ["Slave", "StateError", "table_of"]
+__all__ = ["Slave", "StateError", "hold", "table_of"]
 
 _KINDS = (PARAMETER, CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, COUNT)
 _TABLES: dict[int, Table] = {}
+_HELD: list[object] = []
+
+
+def hold(namespace: dict[str, object]) -> None:
+    """Take one more reference to a main module's namespace.
+
+    PythonFMU 0.7.0's wrapper releases a reference that it does not own each time it instantiates;
+    without this the namespace would be freed while in use.
+    """
+    _HELD.append(namespace)
 
 
 class InitializationError(Exception):
@@ -69,11 +79,8 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         engine: Engine = fmu.system.create(table_of(fmu), self.guid_text)
         self.engine = engine
         # Instance attributes: the wrapper then calls the compiled methods without a Python frame.
-        self.do_step = engine.do_step
-        self.get_real = engine.get_real
-        self.set_real = engine.set_real
-        self.get_integer = engine.get_integer
-        self.set_integer = engine.set_integer
+        for name in ("do_step", "get_real", "set_real", "get_integer", "set_integer"):
+            setattr(self, name, getattr(engine, name))
         resources = self.resources
         if resources and sys.path.count(resources) > 1:
             sys.path.remove(resources)
@@ -90,9 +97,10 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         tolerance: float | None = None,
     ) -> None:
         """fmi2SetupExperiment."""
-        defined = tolerance is not None
         self._surface(
-            self.engine.setup_experiment(start_time, defined, tolerance if defined else 0.0)
+            self.engine.setup_experiment(
+                start_time, tolerance is not None, 0.0 if tolerance is None else tolerance
+            )
         )
 
     def enter_initialization_mode(self) -> None:

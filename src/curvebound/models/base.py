@@ -10,7 +10,9 @@ that an internal step allocates nothing. A model of one degree of freedom leaves
 
 from __future__ import annotations
 
-__all__ = ["Jacobian", "Model"]
+from typing import ClassVar
+
+__all__ = ["Jacobian", "Law", "Model"]
 
 #: d(acceleration)/dq and /dv: (da0/dq0, da0/dq1, da1/dq0, da1/dq1, da0/dv0, da0/dv1, da1/dv0, da1/dv1)
 Jacobian = tuple[float, float, float, float, float, float, float, float]
@@ -30,11 +32,11 @@ class Model:
     FEEDTHROUGH the groups whose values depend on the inputs of the same instant
     """
 
-    PARAMETERS: tuple[str, ...] = ()
-    CHOICES: tuple[str, ...] = ()
-    INPUTS: tuple[str, ...] = ()
-    OUTPUTS: dict[str, int] = {}
-    FEEDTHROUGH: tuple[int, ...] = ()
+    PARAMETERS: ClassVar[tuple[str, ...]] = ()
+    CHOICES: ClassVar[tuple[str, ...]] = ()
+    INPUTS: ClassVar[tuple[str, ...]] = ()
+    OUTPUTS: ClassVar[dict[str, int]] = {}
+    FEEDTHROUGH: ClassVar[tuple[int, ...]] = ()
 
     def __init__(self) -> None:
         self.q0: float = 0.0
@@ -123,4 +125,47 @@ class Model:
     # -- observation -------------------------------------------------------------------------------
     def observe(self, group: int, values: list[float], first: int) -> None:
         """Write the outputs of one group to values[first + position in OUTPUTS]."""
+        raise NotImplementedError
+
+
+class Law:
+    """A control law: outputs from inputs and time, without equations of motion.
+
+    Names are declared as in Model. Time is absolute here (s).
+    """
+
+    PARAMETERS: ClassVar[tuple[str, ...]] = ()
+    CHOICES: ClassVar[tuple[str, ...]] = ()
+    INPUTS: ClassVar[tuple[str, ...]] = ()
+    OUTPUTS: ClassVar[dict[str, int]] = {}
+    FEEDTHROUGH: ClassVar[tuple[int, ...]] = ()
+
+    def start(
+        self, parameters: dict[str, float], choices: dict[str, int], time: float
+    ) -> None:
+        """Take parameters and choices and start at `time`."""
+        raise NotImplementedError
+
+    def set_parameters(self, parameters: dict[str, float], choices: dict[str, int]) -> None:
+        """Take changed tunable parameters: from the next communication point or sample on."""
+        raise NotImplementedError
+
+    def set_inputs(self, values: list[float], first: int) -> None:
+        """Take the inputs values[first:first + len(INPUTS)], all finite, in the order of INPUTS."""
+        raise NotImplementedError
+
+    def advance(self, time: float, duration: float) -> None:
+        """Make the communication step from `time`."""
+        raise NotImplementedError
+
+    def observe(self, group: int, values: list[float], first: int) -> None:
+        """Write the outputs of one group to values[first + position in OUTPUTS]."""
+        raise NotImplementedError
+
+    def get_state(self) -> list[float]:
+        """Everything that changes while running, finite floats."""
+        raise NotImplementedError
+
+    def set_state(self, state: list[float]) -> None:
+        """Return to what get_state() gave."""
         raise NotImplementedError

@@ -1,0 +1,112 @@
+"""The command line: one module per command, imported only as far as the parser needs.
+
+Exit status: 0 done, 1 the run failed, 2 wrong usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+import traceback
+from collections.abc import Sequence
+
+import shtab
+
+from .. import __version__
+from ..errors import CurveboundError
+
+__all__ = ["main", "parser"]
+
+#: modules of this package, in the order of `curvebound --help`; one that is not there is left out
+_COMMANDS = (
+    "list",
+    "build",
+    "run",
+    "demo",
+    "replay",
+    "ssp",
+    "study",
+    "tune",
+    "sweep",
+    "stability",
+    "bench",
+)
+
+_EPILOG = """\
+examples:
+  curvebound demo                                build the FMUs, run every scene, write build/
+  curvebound list                                scenes, FMUs and their variables
+  curvebound build BeadOnWire --out fmus/        one FMU for your own tool
+  curvebound run bead_on_wire --set bead.wire.radius=2 --stop 20 --out bead.csv
+"""
+
+
+class UsageError(CurveboundError):
+    """The command line itself is wrong: exit status 2."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    root = argparse.ArgumentParser(
+        prog="curvebound",
+        description="FMI 2.0 co-simulation FMUs of bodies bound to curves.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    root.add_argument("--version", action="version", version=f"curvebound {__version__}")
+    root.add_argument(
+        "--debug", action="store_true", help="show the traceback of an error as well"
+    )
+    shtab.add_argument_to(root, "--print-completion", help="print a completion script for a shell")
+    commands = root.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for name in _COMMANDS:
+        try:
+            module = importlib.import_module(f".{name}", __name__)
+        except ModuleNotFoundError as error:
+            if error.name != f"{__name__}.{name}":
+                raise
+            continue
+        sub = commands.add_parser(
+            module.NAME,
+            help=module.HELP,
+            description=module.__doc__,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        module.configure(sub)
+        sub.add_argument(
+            "--debug",
+            action="store_true",
+            default=argparse.SUPPRESS,
+            help="show the traceback of an error as well",
+        )
+        sub.set_defaults(run=module.run)
+    return root
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    options = parser().parse_args(arguments)
+    try:
+        status: int = options.run(options)
+    except CurveboundError as error:
+        return _report(str(error), options.debug, 2 if isinstance(error, UsageError) else 1)
+    except KeyboardInterrupt:
+        return _report("stopped by the keyboard; what was finished is kept", options.debug, 1)
+    except BrokenPipeError:
+        # The reader (head, a pager) has gone; there is nobody left to tell.
+        sys.stderr.close()
+        return 1
+    return status
+
+
+def _report(message: str, debug: bool, status: int) -> int:
+    """Print an error as one paragraph, wrapped to the terminal."""
+    from rich.console import Console
+    from rich.text import Text
+
+    if debug:
+        traceback.print_exc()
+    console = Console(stderr=True, highlight=False)
+    console.print(Text.assemble(("error: ", "bold red"), message), soft_wrap=not console.is_terminal)
+    return status

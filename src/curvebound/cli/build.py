@@ -1,0 +1,35 @@
+"""Build FMUs: all of them, or those named.
+
+example:
+  curvebound build BeadOnWire --out fmus/
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+NAME = "build"
+HELP = "build the FMUs"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("name", nargs="*", metavar="NAME", help="an FMU (default: all)")
+    parser.add_argument(
+        "--out", type=Path, default=Path("build"), metavar="DIR", help="folder (default: build/)"
+    )
+    parser.add_argument(
+        "--no-compile",
+        action="store_true",
+        help="leave out the compiled kernel: smaller, runs interpreted everywhere",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Build and say in one line per FMU what was done."""
+    from ..fmi.build import build, names
+
+    for name in options.name or names():
+        print(build(name, options.out, compiled=not options.no_compile).message, flush=True)
+    return 0

@@ -1,0 +1,50 @@
+"""List scenes and FMUs with their variables.
+
+examples:
+  curvebound list
+  curvebound list ParabolaDrive
+"""
+
+from __future__ import annotations
+
+import argparse
+
+NAME = "list"
+HELP = "show scenes, FMUs and their variables"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("name", nargs="*", metavar="NAME", help="only these FMUs (default: all)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print one table of scenes and one per FMU."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from ..cosim import load_scene, scene_names
+    from ..fmi.build import load_declaration, names
+
+    console = Console(highlight=False)
+    if not options.name:
+        scenes = Table("scene", "what it shows", box=None, pad_edge=False)
+        for scene in scene_names():
+            scenes.add_row(scene, load_scene(scene).description)
+        console.print(scenes)
+    for name in options.name or names():
+        fmu = load_declaration(name)
+        table = Table(
+            "variable", "kind", "unit", "start", title=f"\n{name}: {fmu.description}",
+            title_justify="left", box=None, pad_edge=False,
+        )  # fmt: skip
+        for variable in fmu.ordered():
+            start = ""
+            if variable.type:
+                start = variable.type.items[int(variable.start) - 1][0]
+            elif variable.kind not in ("output", "count"):
+                start = f"{variable.start:g}"
+            kind = variable.kind.replace("choice", "enumeration").replace("count", "integer")
+            table.add_row(variable.name, kind, variable.unit, start)
+        console.print(table)
+    return 0
