@@ -1,0 +1,239 @@
+"""Values between FMUs: buffers laid out once, and the FMI calls on them prepared once.
+
+All Real values of a scene lie in one array, all others in another. An output's place is chosen so
+that what one call reads is contiguous, and inputs that all come from one component, in a row, are
+written from where they were read: most scenes copy nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .instance import Instance
+from .system import Link, Port, System
+
+__all__ = ["Call", "Exchange"]
+
+Call = Callable[[], Any]  # an FMI call that returns its status, or a copy that returns None
+KINDS = ("Real", "Integer", "Boolean")
+_FEW = 4  # runs of values up to which slices are copied one by one
+
+
+class Exchange:
+    """The buffers of a scene, and for each component the prepared calls.
+
+    reals, others: the values, shapes (n,) of float64 and int32.
+    place: where each output's value lies in the array of its kind.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.place: dict[Port, int] = {}
+        self._segments: dict[tuple[str, str, int], tuple[int, list[Port]]] = {}
+        self._inputs: dict[tuple[str, str], tuple[int, list[Port]]] = {}
+        self._calls: dict[int, tuple[str, str]] = {}
+        self._kept: list[Any] = []  # ctypes arrays that prepared calls point to
+        self.feeders: dict[str, dict[Port, str]] = {name: {} for name in system.nodes}
+        self._link: dict[Port, Link] = {link.target: link for link in system.links}
+        self._lay_out()
+
+    # layout
+
+    def _lay_out(self) -> None:
+        system = self.system
+        users: dict[Port, Port] = {}  # output -> first input it drives
+        rank = {
+            name: {v: i for i, v in enumerate(node.fmu.variables)}
+            for name, node in system.nodes.items()
+        }
+        for link in system.links:
+            self.feeders[link.target[0]][link.source] = link.source[0]
+            first = users.setdefault(link.source, link.target)
+            if link.target < first:
+                users[link.source] = link.target
+        sizes = dict.fromkeys(KINDS, 0)
+        sizes["Boolean"] = 0
+
+        def order(port: Port) -> tuple[Any, ...]:
+            user = users.get(port)
+            if user is None:
+                return (1, "", 0, rank[port[0]][port[1]])
+            return (0, user[0], rank[user[0]][user[1]], 0)
+
+        groups: dict[tuple[str, str, int], list[Port]] = {}
+        for port, level in system.levels.items():
+            key = (port[0], system.variable(port).kind, level)
+            groups.setdefault(key, []).append(port)
+        self._size = {"Real": 0, "Integer": 0}
+        for key in sorted(groups, key=lambda k: (k[2], k[0], k[1])):
+            ports = sorted(groups[key], key=order)
+            at = self._reserve(key[1], len(ports))
+            self._segments[key] = (at, ports)
+            for i, port in enumerate(ports):
+                self.place[port] = at + i
+        self.outputs_end = dict(self._size)
+        driven: dict[tuple[str, str], list[Port]] = {}
+        for target in [*self._link, *system.signals]:
+            driven.setdefault((target[0], system.variable(target).kind), []).append(target)
+        for group, targets in driven.items():
+            self._place_inputs(group, targets)
+        self.reals: NDArray[np.float64] = np.zeros(self._size["Real"])
+        self.others: NDArray[np.int32] = np.zeros(self._size["Integer"], dtype=np.int32)
+
+    def _reserve(self, kind: str, count: int) -> int:
+        array = "Real" if kind == "Real" else "Integer"
+        at = self._size[array]
+        self._size[array] += count
+        return at
+
+    def _place_inputs(self, group: tuple[str, str], targets: list[Port]) -> None:
+        def source(target: Port) -> int:
+            link = self._link.get(target)
+            return -1 if link is None else self.place[link.source]
+
+        targets = sorted(targets, key=source)
+        places = [source(t) for t in targets]
+        plain = all(
+            t in self._link and (self._link[t].factor, self._link[t].offset) == (1.0, 0.0)
+            for t in targets
+        )
+        one = len({self._link[t].source[0] for t in targets if t in self._link}) == 1
+        if plain and one and places == list(range(places[0], places[0] + len(places))):
+            self._inputs[group] = (places[0], targets)  # written from where they were read
+        else:
+            self._inputs[group] = (self._reserve(group[1], len(targets)), targets)
+
+    # prepared calls
+
+    def _array(self, kind: str) -> NDArray[Any]:
+        return self.reals if kind == "Real" else self.others
+
+    def _transfer(
+        self, instance: Instance, what: str, kind: str, at: int, ports: list[Port]
+    ) -> Call:
+        references = (c_uint * len(ports))(*(self.system.variable(p).reference for p in ports))
+        array = self._array(kind)
+        pointer = c_void_p(array.ctypes.data + at * array.itemsize)
+        self._kept.append(references)
+        function = what + kind
+        call = partial(
+            instance.library.function("fmi2" + function),
+            instance.pointer,
+            references,
+            c_size_t(len(ports)),
+            pointer,
+        )
+        self._calls[id(call)] = (instance.name, function)
+        self._kept.append(call)
+        return call
+
+    def read(self, instance: Instance, level: int) -> list[Call]:
+        """Calls that read this component's outputs of a level."""
+        calls = []
+        for kind in KINDS:
+            at, ports = self._segments.get((instance.name, kind, level), (0, []))
+            if ports:
+                calls.append(self._transfer(instance, "Get", kind, at, ports))
+        return calls
+
+    def write(self, instance: Instance) -> list[Call]:
+        """Calls that bring this component's driven inputs up to date."""
+        calls: list[Call] = []
+        for kind in KINDS:
+            at, targets = self._inputs.get((instance.name, kind), (0, []))
+            if targets:
+                calls += self._copies(kind, at, targets)
+                calls.append(self._transfer(instance, "Set", kind, at, targets))
+        return calls
+
+    def _copies(self, kind: str, at: int, targets: list[Port]) -> list[Call]:
+        pairs = [
+            (at + i, self.place[self._link[t].source])
+            for i, t in enumerate(targets)
+            if t in self._link
+        ]
+        if not pairs or pairs[0][0] == pairs[0][1]:
+            return []
+        array = self._array(kind)
+        view = memoryview(array)  # type: ignore[arg-type]
+        runs: list[list[int]] = []
+        for to, source in pairs:
+            if runs and to == runs[-1][0] + runs[-1][2] and source == runs[-1][1] + runs[-1][2]:
+                runs[-1][2] += 1
+            else:
+                runs.append([to, source, 1])
+        calls: list[Call] = []
+        if len(runs) <= _FEW:
+            for to, source, n in runs:
+                part = view[source : source + n]
+                calls.append(partial(view.__setitem__, slice(to, to + n), part))
+        else:
+            calls.append(_gathering(array, [s for _, s in pairs], pairs[0][0]))
+        links = [self._link[t] for t in targets if t in self._link]
+        scaled = [i for i, k in enumerate(links) if (k.factor, k.offset) != (1.0, 0.0)]
+        if scaled:
+            calls.append(
+                _scaling(
+                    array,
+                    np.array([pairs[i][0] for i in scaled]),
+                    np.array([links[i].factor for i in scaled]),
+                    np.array([links[i].offset for i in scaled]),
+                )
+            )
+        return calls
+
+    def do_step(self, instance: Instance, time: c_double, size: c_double) -> Call:
+        """The call that steps this component from `time` by `size`, both read when it is made."""
+        keeps = c_int(self.system.scene.adaptive is None)  # no rollback behind this point
+        call = partial(instance.library.function("fmi2DoStep"), instance.pointer, time, size, keeps)
+        self._calls[id(call)] = (instance.name, "DoStep")
+        self._kept.append(call)
+        return call
+
+    def forget_calls(self) -> None:
+        """Drop what belongs to instances that are gone."""
+        self._calls.clear()
+        self._kept.clear()
+
+    def origin(self, call: Call) -> tuple[str, str]:
+        """Component and FMI function of a prepared call."""
+        return self._calls[id(call)]
+
+    def signal_setters(self) -> list[tuple[Callable[[float], float], memoryview, int, bool]]:
+        """For each function that drives an input: it, the buffer, the place, whether Real."""
+        setters = []
+        for kind in KINDS:
+            for (_, of), (at, targets) in self._inputs.items():
+                if of != kind:
+                    continue
+                view = memoryview(self._array(kind))  # type: ignore[arg-type]
+                for i, target in enumerate(targets):
+                    if target in self.system.signals:
+                        function = self.system.signals[target]
+                        setters.append((function, view, at + i, kind == "Real"))
+        return setters
+
+
+def _gathering(array: NDArray[Any], sources: list[int], at: int) -> Call:
+    index = np.array(sources)
+    part = array[at : at + len(sources)]
+
+    def gather() -> None:
+        array.take(index, None, part, "clip")
+
+    return gather
+
+
+def _scaling(
+    array: NDArray[Any], index: NDArray[Any], factor: NDArray[Any], offset: NDArray[Any]
+) -> Call:
+    def scale() -> None:
+        array[index] = array[index] * factor + offset
+
+    return scale

@@ -1,0 +1,284 @@
+"""What a master must know of an FMI 2.0 co-simulation FMU, read once from its description."""
+
+from __future__ import annotations
+
+import atexit
+import difflib
+import shutil
+import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..errors import CurveboundError
+
+__all__ = ["Fmu", "Value", "Variable", "extracted", "nearest", "read_fmu"]
+
+Value = float | int | bool | str
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable: `kind` is the FMI type it is read and written as."""
+
+    name: str
+    reference: int
+    kind: str  # Real, Integer (enumerations too), Boolean or String
+    causality: str
+    variability: str
+    initial: str
+    unit: str | None
+    dimension: tuple[float, ...] | None  # exponents of kg m s A K mol cd rad, factor, offset
+    start: str | None
+    nominal: float | None
+    items: dict[str, int] | None  # of an enumeration: item name to number
+    description: str
+
+    def value(self, given: Value) -> float | int | bool | str:
+        """`given` as this variable's type; an enumeration also takes its item's name.
+
+        Raises ValueError, whose text says what would be accepted.
+        """
+        if self.kind == "String":
+            return str(given)
+        text = given.strip() if isinstance(given, str) else None
+        if self.items is not None:
+            return self._item(given, text)
+        if self.kind == "Boolean":
+            if text is not None:
+                if text.lower() not in ("true", "false", "1", "0"):
+                    raise ValueError(f"{given!r} is not true or false")
+                return text.lower() in ("true", "1")
+            return bool(given)
+        try:
+            number = float(given)
+        except ValueError:
+            raise ValueError(f"{given!r} is not a number") from None
+        if self.kind == "Integer":
+            if number != int(number):
+                raise ValueError(f"{given!r} is not an integer")
+            return int(number)
+        return number
+
+    def _item(self, given: Value, text: str | None) -> int:
+        assert self.items is not None
+        if text is not None and text in self.items:
+            return self.items[text]
+        try:
+            number = float(given)
+        except ValueError:
+            number = 0.0
+        if number not in self.items.values():
+            listed = ", ".join(f"{n} {name}" for name, n in self.items.items())
+            raise ValueError(f"{given!r} is not one of: {listed}")
+        return int(number)
+
+    @property
+    def is_settable_start(self) -> bool:
+        """Whether a scene may give it a start value."""
+        if self.causality == "input":
+            return True
+        return self.variability != "constant" and self.initial in ("exact", "approx")
+
+    @property
+    def is_drivable(self) -> bool:
+        """Whether it may be set while the simulation runs: inputs and tunable parameters."""
+        return self.causality == "input" or (
+            self.causality == "parameter" and self.variability == "tunable"
+        )
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """One FMU file and its description.
+
+    `dependencies` maps each output to the inputs that it depends on directly (an output without
+    the attribute depends on all of them, FMI 2.0.3, section 2.2.8); `undeclared` are the outputs
+    without it. `initial_dependencies` is the same in initialization mode.
+    """
+
+    path: Path
+    model_name: str
+    identifier: str
+    guid: str
+    variables: dict[str, Variable]
+    dependencies: dict[str, tuple[str, ...]]
+    undeclared: frozenset[str]
+    initial_dependencies: dict[str, tuple[str, ...]]
+    can_roll_back: bool
+    can_vary_step: bool
+    only_once_per_process: bool
+    start_time: float | None
+    stop_time: float | None
+    step: float | None
+    description: Any = field(repr=False, compare=False)  # fmpy's own object, for simulate_fmu
+
+    @property
+    def inputs(self) -> list[str]:
+        """Names of the inputs, in the order of the description."""
+        return [v.name for v in self.variables.values() if v.causality == "input"]
+
+    @property
+    def outputs(self) -> list[str]:
+        """Names of the outputs, in the order of the description."""
+        return [v.name for v in self.variables.values() if v.causality == "output"]
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A clause that suggests the known names nearest to `name`, or says what there is."""
+    known = list(known)
+    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    if close:
+        return f"did you mean {' or '.join(close)}?"
+    if not known:
+        return "there is none"
+    shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
+    return f"there is {shown}"
+
+
+_read: dict[tuple[str, int, int], Fmu] = {}
+_unpacked: dict[tuple[str, int, int], Path] = {}
+
+
+def _identity(path: Path) -> tuple[str, int, int]:
+    status = path.stat()
+    return str(path.resolve()), status.st_mtime_ns, status.st_size
+
+
+def read_fmu(path: Path) -> Fmu:
+    """The FMU at `path`; read once in a process as long as the file stays the same.
+
+    Raises CurveboundError when there is no such file or it is no FMI 2.0 co-simulation FMU.
+    """
+    if not path.is_file():
+        raise CurveboundError(f"There is no FMU at {path}.")
+    identity = _identity(path)
+    known = _read.get(identity)
+    if known is None:
+        known = _read[identity] = _load(path)
+    return known
+
+
+def extracted(fmu: Fmu) -> Path:
+    """Folder with the FMU's contents; unpacked once in a process, removed when it ends.
+
+    One folder per file and process keeps what an FMU's wrapper leaves behind per folder (an entry
+    in sys.path, say) from growing with the number of runs.
+    """
+    import fmpy
+
+    identity = _identity(fmu.path)
+    folder = _unpacked.get(identity)
+    if folder is None or not folder.is_dir():
+        folder = Path(tempfile.mkdtemp(prefix="curvebound_fmu_"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        fmpy.extract(str(fmu.path), str(folder))
+        _unpacked[identity] = folder
+    return folder
+
+
+def _load(path: Path) -> Fmu:
+    import fmpy
+
+    try:
+        md = fmpy.read_model_description(str(path), validate=False)
+    except Exception as error:
+        raise CurveboundError(f"{path} cannot be read as an FMU: {error}") from error
+    if md.fmiVersion != "2.0" or md.coSimulation is None:
+        kinds = " and ".join(
+            name
+            for name, present in (
+                ("co-simulation", md.coSimulation),
+                ("model exchange", md.modelExchange),
+            )
+            if present is not None
+        )
+        raise CurveboundError(
+            f"{path} is an FMU of FMI {md.fmiVersion} for {kinds or 'nothing'}; "
+            "a scene takes FMI 2.0 co-simulation FMUs."
+        )
+    units = {unit.name: unit.baseUnit for unit in md.unitDefinitions}
+    variables = {v.name: _variable(v, units) for v in md.modelVariables}
+    inputs = tuple(v.name for v in variables.values() if v.causality == "input")
+
+    def table(unknowns: Any) -> dict[str, tuple[str, ...] | None]:
+        return {
+            u.variable.name: None
+            if u.dependencies is None
+            else tuple(d.name for d in u.dependencies if d.causality == "input")
+            for u in unknowns
+        }
+
+    declared = table(md.outputs)
+    outputs = [v.name for v in variables.values() if v.causality == "output"]
+    undeclared = frozenset(name for name in outputs if declared.get(name) is None)
+    dependencies: dict[str, tuple[str, ...]] = {}
+    for name in outputs:
+        listed = declared.get(name)
+        dependencies[name] = inputs if listed is None else listed
+    initial = dict(dependencies)
+    for name, at_start in table(md.initialUnknowns).items():
+        if at_start is not None and name in initial:
+            initial[name] = at_start
+    experiment = md.defaultExperiment
+    kind = md.coSimulation
+    return Fmu(
+        path=path,
+        model_name=md.modelName,
+        identifier=kind.modelIdentifier,
+        guid=md.guid,
+        variables=variables,
+        dependencies=dependencies,
+        undeclared=undeclared,
+        initial_dependencies=initial,
+        can_roll_back=bool(kind.canGetAndSetFMUstate),
+        can_vary_step=bool(kind.canHandleVariableCommunicationStepSize),
+        only_once_per_process=bool(kind.canBeInstantiatedOnlyOncePerProcess),
+        start_time=_number(experiment and experiment.startTime),
+        stop_time=_number(experiment and experiment.stopTime),
+        step=_number(experiment and experiment.stepSize),
+        description=md,
+    )
+
+
+def _number(text: Any) -> float | None:
+    return None if text is None else float(text)
+
+
+def _variable(v: Any, units: dict[str, Any]) -> Variable:
+    declared = v.declaredType
+    unit = v.unit or (declared.unit if declared is not None else None)
+    base = units.get(unit or "")
+    dimension = None
+    if base is not None:
+        parts = (base.kg, base.m, base.s, base.A, base.K, base.mol, base.cd, base.rad)
+        dimension = tuple(float(x) for x in (*parts, base.factor, base.offset))
+    items = None
+    if v.type == "Enumeration" and declared is not None:
+        items = {item.name: int(item.value) for item in declared.items}
+    nominal = _number(v.nominal) or _number(declared.nominal if declared is not None else None)
+    causality = v.causality or "local"
+    variability = v.variability or ("continuous" if v.type == "Real" else "discrete")
+    initial = v.initial or _default_initial(causality, variability)
+    return Variable(
+        name=v.name,
+        reference=int(v.valueReference),
+        kind="Integer" if v.type == "Enumeration" else str(v.type),
+        causality=causality,
+        variability=variability,
+        initial=initial,
+        unit=unit,
+        dimension=dimension,
+        start=v.start,
+        nominal=abs(nominal) if nominal else None,
+        items=items,
+        description=v.description or "",
+    )
+
+
+def _default_initial(causality: str, variability: str) -> str:
+    """FMI 2.0.3, section 2.2.7, table of the default values of `initial`."""
+    if causality == "parameter" or variability == "constant":
+        return "exact"
+    return "" if causality in ("input", "independent") else "calculated"

@@ -1,0 +1,253 @@
+"""FMU instances on fmpy's FMU2Slave: loading, the state machine, logging, ending."""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
+from typing import Any
+
+from ..errors import CurveboundError
+from .fmu import Fmu, Value, extracted
+
+__all__ = ["CallFailed", "Instance", "Library", "Log"]
+
+WARNING, DISCARD, ERROR, FATAL = 1, 2, 3, 4
+_STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+_KEPT = 200  # log messages kept per run: a chatty FMU must not fill the memory
+
+
+class CallFailed(Exception):
+    """An FMI call that returned neither OK nor Warning."""
+
+    def __init__(self, component: str, function: str, status: int, cause: str):
+        super().__init__(f"{component}: {cause}")
+        self.component = component
+        self.function = function
+        self.status = status
+        self.cause = cause
+
+
+class Log:
+    """Callbacks shared by all instances of a scene: keeps what the FMUs say, by component."""
+
+    def __init__(self) -> None:
+        from fmpy import calloc, free
+        from fmpy.fmi2 import (
+            fmi2CallbackAllocateMemoryTYPE,
+            fmi2CallbackFreeMemoryTYPE,
+            fmi2CallbackFunctions,
+            fmi2CallbackLoggerTYPE,
+        )
+
+        self.entries: list[tuple[str, int, str]] = []
+        self.callbacks = fmi2CallbackFunctions()
+        self.callbacks.logger = fmi2CallbackLoggerTYPE(self._write)
+        self.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        with suppress(ImportError, OSError):  # formats printf arguments where there is a binary
+            from fmpy.logging import addLoggerProxy
+
+            addLoggerProxy(byref(self.callbacks))
+
+    def _write(self, _: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
+        entry = (_text(name), int(status), _text(text).strip())
+        if status >= WARNING and len(self.entries) < _KEPT and entry not in self.entries:
+            self.entries.append(entry)
+
+    def clear(self) -> None:
+        """Forget everything: at the start of a run."""
+        self.entries.clear()
+
+    def cause(self, component: str) -> str:
+        """The last thing that `component` said about a failure, or an empty string."""
+        for name, status, text in reversed(self.entries):
+            if name == component and status > WARNING and text:
+                return text
+        return ""
+
+    def warnings(self) -> list[str]:
+        """One line per different warning."""
+        return [f"{name}: {text}" for name, status, text in self.entries if status == WARNING]
+
+
+def _text(data: bytes | None) -> str:
+    return (data or b"").decode("utf-8", "replace")
+
+
+class Library:
+    """The loaded binary of one FMU: its functions, shared by all instances in the scene.
+
+    The functions are FMU2Slave's own library's, fetched without argument types: they are called
+    with prepared ctypes objects only, which spares the conversion at each call.
+    """
+
+    def __init__(self, fmu: Fmu) -> None:
+        from fmpy.fmi2 import FMU2Slave
+
+        self.fmu = fmu
+        try:
+            self.slave = FMU2Slave(
+                guid=fmu.guid,
+                unzipDirectory=str(extracted(fmu)),
+                modelIdentifier=fmu.identifier,
+                instanceName=fmu.identifier,
+                requireFunctions=False,
+            )
+        except Exception as error:
+            raise CurveboundError(f"{fmu.path} cannot be loaded here: {error}") from error
+        self._functions: dict[str, Any] = {}
+
+    def function(self, name: str) -> Any:
+        """The C function `name`, to be called with ctypes objects; returns the status."""
+        function = self._functions.get(name)
+        if function is None:
+            function = self.slave.dll[name]
+            function.restype = c_int
+            self._functions[name] = function
+        return function
+
+    def unload(self) -> None:
+        """Close the binary; no instance of it may be left."""
+        self._functions.clear()
+        self.slave.freeLibrary()
+
+
+class Instance:
+    """One instance, from instantiation to its end; every failing call raises CallFailed."""
+
+    def __init__(self, name: str, library: Library, log: Log) -> None:
+        self.name = name
+        self.fmu = library.fmu
+        self.library = library
+        self.log = log
+        self.alive = True
+        self.running = False  # between the entry to initialization and terminate
+        self.failed = False
+        self._saved = c_void_p()
+        self._changed: set[str] = set()
+        self.slave = copy.copy(library.slave)
+        self.slave.instanceName = name
+        try:
+            self.slave.instantiate(callbacks=log.callbacks, loggingOn=True)
+        except Exception as error:
+            self.alive = False
+            cause = log.cause(name) or str(error)
+            raise CallFailed(name, "fmi2Instantiate", ERROR, cause) from error
+        self.pointer = c_void_p(self.slave.component)
+
+    def call(self, name: str, *arguments: Any) -> int:
+        """Call fmi2`name` of this instance and judge its status."""
+        status = int(self.library.function("fmi2" + name)(self.pointer, *arguments))
+        if status > WARNING:
+            self.fail(name, status)
+        return status
+
+    def fail(self, function: str, status: int) -> None:
+        """Note that a call returned `status` and raise CallFailed with what the FMU said."""
+        self.failed = True
+        if status == FATAL or status > FATAL:
+            self.alive = False  # nothing may be called any more, fmi2FreeInstance included
+        said = self.log.cause(self.name)
+        label = _STATUS[status] if 0 <= status < len(_STATUS) else str(status)
+        cause = f"fmi2{function} returned fmi2{label}" + (f": {said}" if said else "")
+        if status == DISCARD and self._has_terminated():
+            cause += " (the FMU asked to end the simulation)"
+        raise CallFailed(self.name, "fmi2" + function, status, cause)
+
+    def _has_terminated(self) -> bool:
+        with suppress(Exception):
+            value = c_int(0)
+            function = self.library.function("fmi2GetBooleanStatus")
+            return function(self.pointer, c_int(3), byref(value)) == 0 and bool(value.value)
+        return False
+
+    # values, one by one: for set-up only
+
+    def set(self, name: str, value: Value) -> None:
+        """Set a variable; `value` is of its type."""
+        variable = self.fmu.variables[name]
+        reference = (c_uint * 1)(variable.reference)
+        data: Any
+        if variable.kind == "Real":
+            data = (c_double * 1)(float(value))
+        elif variable.kind == "String":
+            data = (ctypes.c_char_p * 1)(str(value).encode())
+        else:
+            data = (c_int * 1)(int(value))
+        self.call("Set" + variable.kind, reference, c_size_t(1), data)
+
+    # life
+
+    def initialize(
+        self,
+        start: Iterable[tuple[str, Value]],
+        tolerance: float | None,
+        start_time: float,
+        stop_time: float,
+    ) -> None:
+        """Set up the experiment, set start values and enter initialization mode."""
+        self.running = True
+        self.call(
+            "SetupExperiment",
+            c_int(tolerance is not None),
+            c_double(tolerance or 0.0),
+            c_double(start_time),
+            c_int(1),
+            c_double(stop_time),
+        )
+        values = dict(start)
+        # what an earlier run changed goes back to the FMU's own start, should its reset forget it
+        for name in self._changed - values.keys():
+            variable = self.fmu.variables[name]
+            if variable.start is not None:
+                if variable.kind == "String":
+                    self.set(name, variable.start)
+                else:
+                    self.set(name, variable.value(variable.start))
+        for name, value in values.items():
+            self.set(name, value)
+        self._changed = set(values)
+        self.call("EnterInitializationMode")
+
+    def reset(self) -> bool:
+        """Back to the state after instantiation; False if that needs a new instance."""
+        if not self.alive or self.failed:
+            return False
+        status = int(self.library.function("fmi2Reset")(self.pointer))
+        self.alive = status < FATAL
+        return status <= WARNING
+
+    def save(self) -> None:
+        """Keep the present state for `restore`, in place of the one kept before."""
+        self.forget()
+        self.call("GetFMUstate", byref(self._saved))
+
+    def restore(self) -> None:
+        """Back to the saved state, which stays saved."""
+        self.call("SetFMUstate", self._saved)
+
+    def forget(self) -> None:
+        """Free the saved state."""
+        if self._saved.value and self.alive:
+            self.library.function("fmi2FreeFMUstate")(self.pointer, byref(self._saved))
+        self._saved = c_void_p()
+
+    def terminate(self) -> None:
+        """End the run; a failed instance may not be asked to."""
+        if self.alive and self.running and not self.failed:
+            self.forget()
+            status = int(self.library.function("fmi2Terminate")(self.pointer))
+            self.alive = status < FATAL
+        self.running = False
+
+    def free(self) -> None:
+        """Give the instance back; safe to call at any time, any number of times."""
+        self.terminate()
+        if self.alive:
+            self.forget()
+            function: Callable[..., Any] = self.library.function("fmi2FreeInstance")
+            function(self.pointer)
+            self.alive = False

@@ -1,0 +1,264 @@
+"""A scene made ready: FMUs loaded and instantiated once, run as often as wanted."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Mapping
+from types import TracebackType
+from typing import Any
+
+from ..errors import CurveboundError
+from .adaptive import adaptive_steps
+from .algorithms import advance_of
+from .exchange import Exchange
+from .fmu import Value
+from .instance import CallFailed, Instance, Library, Log
+from .loops import LoopFailed
+from .recording import Recording
+from .results import Result, RunFailed
+from .scene import Scene
+from .schedule import Schedule
+from .system import resolve
+
+__all__ = ["Counters", "Prepared", "communication_points"]
+
+Progress = Callable[[float], None]
+_BEAT = 0.1  # s of wall time between reports of progress
+
+
+class Counters:
+    """Work of a run; see Result."""
+
+    def __init__(self) -> None:
+        self.steps = 0
+        self.trials = 0
+        self.rejected = 0
+
+
+def communication_points(start: float, stop: float, step: float) -> tuple[int, float]:
+    """Number of whole macro steps from start to stop, and the length of a last shorter one (or 0).
+
+    A rest below 1e-9 steps is rounding, and the last step then ends at `stop` all the same.
+    """
+    exact = (stop - start) / step
+    count = math.floor(exact + 1e-9 * max(1.0, exact))
+    rest = stop - (start + count * step)
+    return (count, rest) if rest > 1e-9 * step * max(1.0, exact) else (count, 0.0)
+
+
+class Prepared:
+    """The FMUs of a scene, loaded. Use as a context manager, or call `close`.
+
+    Instances live from the first run to `close`, and are reset between runs; after a failed run
+    they are freed, and made anew by the next.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.system = resolve(scene)
+        self.log = Log()
+        self.exchange = Exchange(self.system)
+        self._libraries: dict[str, Library] = {}
+        self._instances: dict[str, Instance] = {}
+        self._schedule: Schedule | None = None
+
+    def __enter__(self) -> Prepared:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Terminate and free every instance and unload the FMUs."""
+        self._free()
+        for library in self._libraries.values():
+            library.unload()
+        self._libraries.clear()
+
+    def _free(self) -> None:
+        self._schedule = None
+        self.exchange.forget_calls()
+        for instance in self._instances.values():
+            instance.free()
+        self._instances.clear()
+
+    def run(
+        self,
+        start: Mapping[str, Value] | None = None,
+        *,
+        stop_time: float | None = None,
+        step: float | None = None,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Run from the start time.
+
+        start: start values by path, on top of the scene's, for this run only.
+        stop_time, step: instead of the scene's, in s.
+        Raises RunFailed with what was recorded until then; the next run works again.
+        """
+        began = clock.perf_counter()
+        values = self._start_values(start or {})
+        begin = self.scene.start_time
+        end = self.scene.stop_time if stop_time is None else stop_time
+        size = self.scene.step if step is None else step
+        if not (end > begin and size > 0.0):
+            raise CurveboundError(f"stop_time {end} s and step {size} s; give both above zero.")
+        count, rest = communication_points(begin, end, size)
+        rows = (count // self.scene.record_every) + 3
+        if self.scene.adaptive is not None:
+            rows = 1024
+        recording = Recording(self.system, self.exchange, rows)
+        counters = Counters()
+        self.log.clear()
+        reached = begin
+        try:
+            schedule = self._ready(values, begin, end)
+            stepping = clock.perf_counter()
+            steps: Any
+            if self.scene.adaptive is not None:
+                steps = adaptive_steps(schedule, begin, end, size, counters)
+            else:
+                steps = self._fixed_steps(schedule, begin, size, count, rest, end, counters)
+            recording.keep(begin)
+            next_beat = stepping + _BEAT
+            every = self.scene.record_every
+            kept = True
+            for reached in steps:
+                kept = every == 1 or counters.steps % every == 0
+                if kept:
+                    recording.keep(reached)
+                if progress is not None and clock.perf_counter() > next_beat:
+                    next_beat = clock.perf_counter() + _BEAT
+                    progress(reached)
+            if not kept:
+                recording.keep(reached)
+            for instance in self._instances.values():
+                instance.terminate()
+        except CallFailed as error:
+            failure = (error.component, error.cause)
+            raise self._failed(recording, counters, began, reached, *failure) from error
+        except LoopFailed as error:
+            raise self._failed(recording, counters, began, reached, "", str(error)) from error
+        except KeyboardInterrupt as error:
+            raise self._failed(recording, counters, began, reached, "", "interrupted") from error
+        except BaseException:
+            self._free()
+            raise
+        result = self._result(recording, counters, began)
+        result.stepping = clock.perf_counter() - stepping
+        if progress is not None:
+            progress(end)
+        return result
+
+    def _fixed_steps(
+        self,
+        schedule: Schedule,
+        begin: float,
+        size: float,
+        count: int,
+        rest: float,
+        end: float,
+        counters: Counters,
+    ) -> Any:
+        advance = advance_of(schedule)
+        evaluate = schedule.evaluate
+        for n in range(count):
+            # multiples, never sums: rounding does not pile up
+            advance(begin + n * size, size)
+            reached = begin + (n + 1) * size
+            if n + 1 == count and rest == 0.0:
+                reached = end
+            evaluate(reached)
+            counters.steps = counters.trials = n + 1
+            yield reached
+        if rest:
+            advance(begin + count * size, rest)
+            evaluate(end)
+            counters.steps = counters.trials = count + 1
+            yield end
+
+    # set-up
+
+    def _start_values(self, extra: Mapping[str, Value]) -> dict[str, dict[str, Value]]:
+        values = {name: dict(node.start) for name, node in self.system.nodes.items()}
+        for path, given in extra.items():
+            name, _, variable = path.partition(".")
+            node = self.system.nodes.get(name)
+            known = None if node is None else node.fmu.variables.get(variable)
+            if known is None or not known.is_settable_start:
+                raise CurveboundError(f"{path} is no variable that takes a start value.")
+            try:
+                values[name][variable] = known.value(given)
+            except ValueError as error:
+                raise CurveboundError(f"{path}: {error}") from None
+        return values
+
+    def _ready(self, values: dict[str, dict[str, Value]], begin: float, end: float) -> Schedule:
+        """Instances initialized with `values`, at a consistent initial point."""
+        if not all(instance.reset() for instance in self._instances.values()):
+            self._free()
+        for name, node in self.system.nodes.items():
+            if name not in self._instances:
+                path = str(node.fmu.path)
+                library = self._libraries.get(path)
+                if library is None:
+                    library = self._libraries[path] = Library(node.fmu)
+                self._instances[name] = Instance(name, library, self.log)
+        if self._schedule is None:
+            self._schedule = Schedule(self.system, self.exchange, self._instances)
+        for name, instance in self._instances.items():
+            instance.initialize(values[name].items(), self.scene.tolerance, begin, end)
+        self._schedule.initialize(begin)
+        for instance in self._instances.values():
+            instance.call("ExitInitializationMode")
+        self._schedule.read_states()
+        self._schedule.evaluate(begin)
+        return self._schedule
+
+    # results
+
+    def _result(self, recording: Recording, counters: Counters, began: float) -> Result:
+        units = {}
+        for port in self.system.recorded:
+            unit = self.system.variable(port).unit
+            if unit is not None:
+                units[".".join(port)] = unit
+        return Result(
+            scene=self.scene.name,
+            data=recording.table(),
+            wall=clock.perf_counter() - began,
+            steps=counters.steps,
+            trials=counters.trials,
+            rejected=counters.rejected,
+            units=units,
+            notes=[*self.system.notes, *self.log.warnings()],
+            settings={
+                "algorithm": self.scene.algorithm,
+                "step": self.scene.step,
+                "adaptive": self.scene.adaptive is not None,
+            },
+        )
+
+    def _failed(
+        self,
+        recording: Recording,
+        counters: Counters,
+        began: float,
+        time: float,
+        component: str,
+        cause: str,
+    ) -> RunFailed:
+        """Free everything, the sound components terminated before; the error to raise."""
+        result = self._result(recording, counters, began)
+        self._free()
+        who = f"component {component}: " if component else ""
+        message = f"The scene {self.scene.name} failed at t = {time:.6g} s: {who}{cause}"
+        result.complete = False
+        result.failure = message
+        return RunFailed(message, result, component, time, cause)

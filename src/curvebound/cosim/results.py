@@ -1,0 +1,147 @@
+"""What a run gives back, and the one file format that it is kept in."""
+
+from __future__ import annotations
+
+import csv
+import os
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import CurveboundError
+
+__all__ = ["Result", "RunFailed", "read_csv", "write_csv"]
+
+Table = NDArray[Any]  # structured: time, then one column per variable
+
+
+@dataclass
+class Result:
+    """A run of a scene.
+
+    data: structured array, shape (points,), columns `time` (s) and `component.variable`, one row
+        per recorded communication point, the initial one included.
+    wall: seconds that the run took, set-up included; `stepping` without set-up.
+    steps: macro steps of the solution; `trials` those computed to find it (adaptive only: every
+        full and half step, rejected ones included, otherwise equal to `steps`); `rejected` the
+        macro steps that were taken back.
+    notes: what the user should know once: warnings of the FMUs, inputs left at their start.
+    complete: False when the run ended before the stop time; `failure` then says why.
+    """
+
+    scene: str
+    data: Table
+    wall: float = 0.0
+    stepping: float = 0.0
+    steps: int = 0
+    trials: int = 0
+    rejected: int = 0
+    units: dict[str, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    settings: dict[str, Any] = field(default_factory=dict)
+    complete: bool = True
+    failure: str = ""
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Communication points in s, shape (points,)."""
+        return np.asarray(self.data["time"], dtype=np.float64)
+
+    @property
+    def names(self) -> list[str]:
+        """The recorded variables, `component.variable`."""
+        return [name for name in self.data.dtype.names or () if name != "time"]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return np.asarray(self.data[name])
+
+    def write(self, path: Path | str) -> Path:
+        """Keep the data as CSV, see write_csv."""
+        return write_csv(self.data, path)
+
+
+class RunFailed(CurveboundError):
+    """A run that ended before its time: names component, time and cause.
+
+    `result` holds what was recorded up to there.
+    """
+
+    def __init__(self, message: str, result: Result, component: str, time: float, cause: str):
+        super().__init__(message)
+        self.result = result
+        self.component = component
+        self.time = time
+        self.cause = cause
+
+
+def write_csv(data: Table, path: Path | str) -> Path:
+    """Write a structured array as CSV: a header of its names, then one line per row.
+
+    Floats are written by repr, so that reading gives the same bits; integers and Booleans (as 0
+    and 1) without a point. The file appears whole or not at all.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    names = list(data.dtype.names or ())
+    columns = []
+    for name in names:
+        column = data[name]
+        values = column.astype(int).tolist() if column.dtype.kind in "biu" else column.tolist()
+        columns.append([repr(value) for value in values])
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    try:
+        with os.fdopen(handle, "w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerow(names)
+            file.writelines(",".join(row) + "\n" for row in zip(*columns, strict=True))
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    return path
+
+
+def read_csv(path: Path | str) -> Table:
+    """The structured array of a file that write_csv wrote (any CSV with a header of names).
+
+    A column whose every entry is an integer literal becomes int64, any other float64. Raises
+    CurveboundError, which names file and line, on a file that is not such a table.
+    """
+    path = Path(path)
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = [row for row in csv.reader(file) if row]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise CurveboundError(f"{path} cannot be read as a table: {error}") from error
+    if not rows:
+        raise CurveboundError(f"{path} is empty; a table begins with a line of column names.")
+    names = [name.strip().strip('"') for name in rows[0]]
+    if len(set(names)) != len(names):
+        raise CurveboundError(f"{path} names a column twice in its first line.")
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(names):
+            raise CurveboundError(
+                f"{path}, line {number}, has {len(row)} entries where the header names {len(names)}"
+            )
+    columns = []
+    for i, name in enumerate(names):
+        texts = [row[i] for row in rows[1:]]
+        try:
+            columns.append(_column(texts))
+        except ValueError as error:
+            raise CurveboundError(f"{path}, column {name}: {error}") from error
+    dtype = [(name, column.dtype) for name, column in zip(names, columns, strict=True)]
+    table = np.zeros(len(rows) - 1, dtype=dtype)
+    for name, column in zip(names, columns, strict=True):
+        table[name] = column
+    return table
+
+
+def _column(texts: list[str]) -> NDArray[Any]:
+    if texts and all(text.strip().lstrip("+-").isdigit() for text in texts):
+        return np.array([int(text) for text in texts], dtype=np.int64)
+    return np.array([float(text) for text in texts], dtype=np.float64)

@@ -1,0 +1,73 @@
+"""Scene inputs: constants, functions of time and tables."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import CurveboundError
+from .results import read_csv
+
+__all__ = ["Signal", "SignalLike", "signal"]
+
+Signal = Callable[[float], float]
+SignalLike = float | int | bool | Signal | str | Path | tuple[Any, Any]
+
+
+def signal(given: SignalLike, path: str) -> float | Signal:
+    """A number, or a function of time in s, from what a scene gives for the input `path`.
+
+    given: a number; a function t -> value; a pair (times, values) of equal length, times never
+        decreasing; or the path of a CSV file with a column `time` and one named `path` or as its
+        variable. Between its points a table is linear, before and after them constant; a time
+        given twice is a jump, and the later value holds at that time.
+    """
+    if isinstance(given, str | Path):
+        return _table(*_columns(Path(given), path), what=f"{given}, input {path}")
+    if isinstance(given, tuple):
+        times, values = given
+        return _table(list(times), list(values), what=f"the table of input {path}")
+    if callable(given):
+        return given
+    return float(given)
+
+
+def _columns(file: Path, path: str) -> tuple[list[float], list[float]]:
+    table = read_csv(file)
+    names = table.dtype.names or ()
+    for name in (path, path.partition(".")[2]):
+        if name in names and "time" in names:
+            return table["time"].tolist(), table[name].tolist()
+    raise CurveboundError(
+        f"{file} must have the columns time and {path} to be that input; it has {', '.join(names)}."
+    )
+
+
+def _table(times: list[float], values: list[float], what: str) -> Signal:
+    if not times or len(times) != len(values):
+        raise CurveboundError(
+            f"{what}: {len(times)} times and {len(values)} values; give equally many, at least one."
+        )
+    if not (np.all(np.isfinite(times)) and np.all(np.isfinite(values))):
+        raise CurveboundError(f"{what}: holds NaN or infinity; give finite numbers.")
+    if any(b < a for a, b in pairwise(times)):
+        raise CurveboundError(f"{what}: its times go back; sort them.")
+    # a communication point n H may lie some ulp before the time of a jump that is meant
+    near = [t - 4e-16 * abs(t) for t in times]
+    last = len(times) - 1
+
+    def interpolated(t: float) -> float:
+        i = bisect_right(near, t) - 1
+        if i < 0:
+            return values[0]
+        if i >= last:
+            return values[last]
+        share = max(0.0, (t - times[i]) / (times[i + 1] - times[i]))
+        return values[i] + share * (values[i + 1] - values[i])
+
+    return interpolated
