@@ -35,9 +35,8 @@ class BeadCartesian(BeadBase):
         self.along: float = 0.0
         self.off: float = 0.0
         self.plain: bool = True
-        #: r^2 and its reciprocal
+        #: r^2
         self.rr: float = 1.0
-        self.per_rr: float = 1.0
         # position and p x v after the last internal step, and bounds, for counting turns
         self.last_x: float = 0.0
         self.last_y: float = 0.0
@@ -63,7 +62,6 @@ class BeadCartesian(BeadBase):
         self.plain = self.k == 0.0 and self.along == 0.0 and self.off == 0.0
         r = self.r
         self.rr = r * r
-        self.per_rr = 1.0 / self.rr
         self.reach = 9.0 * self.rr * self.rr
         self.q0_scale = self.q1_scale = r
         sine = math.sin(angle)
@@ -90,14 +88,16 @@ class BeadCartesian(BeadBase):
         ex = self.ex
         ey = self.ey
         pp = q0 * q0 + q1 * q1
-        push = q0 * ex + q1 * ey + v0 * v0 + v1 * v1
+        # the reciprocal does not wait for the velocity, which a Runge-Kutta stage knows last
+        inverse = 1.0 / pp
+        push = (q0 * ex + q1 * ey) + (v0 * v0 + v1 * v1)
         if self.plain:
-            factor = -push / pp
-            return ex + factor * q0, ey + factor * q1
+            factor = push * inverse
+            return ex - factor * q0, ey - factor * q1
         push += self.along * (q0 * v0 + q1 * v1) + self.off * (pp - self.rr)
-        factor = -push / pp
+        factor = push * inverse
         k = self.k
-        return ex - k * v0 + factor * q0, ey - k * v1 + factor * q1
+        return ex - k * v0 - factor * q0, ey - k * v1 - factor * q1
 
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
@@ -138,12 +138,14 @@ class BeadCartesian(BeadBase):
         vx = self.v0
         vy = self.v1
         if self.projects:
-            scale = self.r / math.sqrt(x * x + y * y)
-            x *= scale
-            y *= scale
-            normal = (x * vx + y * vy) * self.per_rr
+            # both divisions at once: the velocity does not wait for the root
+            pp = x * x + y * y
+            normal = (x * vx + y * vy) / pp
+            scale = self.r / math.sqrt(pp)
             vx -= normal * x
             vy -= normal * y
+            x *= scale
+            y *= scale
             self.q0 = x
             self.q1 = y
             self.v0 = vx

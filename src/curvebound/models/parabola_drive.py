@@ -9,7 +9,9 @@ period is given.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import ClassVar, Final
+
+from .base import Law
 
 __all__ = ["ParabolaDrive"]
 
@@ -35,8 +37,8 @@ SMALL: Final = 2.409919865102884e-181
 
 _OUTPUTS: Final[dict[str, int]] = {
     "parabola.ax": 0,
-    "parabola.ay": 0,
-    "parabola.coefficient_acceleration": 0,
+    "parabola.ay": 1,
+    "parabola.coefficient_acceleration": 1,
 }
 
 
@@ -47,7 +49,7 @@ def chirp_cycles(elapsed: float, frequency: float, end_frequency: float, duratio
     return 0.5 * (frequency + end_frequency) * duration + end_frequency * (elapsed - duration)
 
 
-class ParabolaDrive:
+class ParabolaDrive(Law):
     """Waveform plus state feedback, with the variables of the FMU ParabolaDrive.
 
     Without a sample period the outputs follow inputs and time directly. With a period T they are
@@ -57,7 +59,7 @@ class ParabolaDrive:
     Inputs and parameters are no part of the saved state.
     """
 
-    PARAMETERS = (
+    PARAMETERS: ClassVar[tuple[str, ...]] = (
         "feedback.slider_u",
         "feedback.slider_u_rate",
         "feedback.pendulum_angle",
@@ -75,8 +77,8 @@ class ParabolaDrive:
         "limit.acceleration",
         "sample.period",
     )
-    CHOICES = ("waveform.kind", "waveform.axis")
-    INPUTS = (
+    CHOICES: ClassVar[tuple[str, ...]] = ("waveform.kind", "waveform.axis")
+    INPUTS: ClassVar[tuple[str, ...]] = (
         "slider.u",
         "slider.u_rate",
         "pendulum.angle",
@@ -84,8 +86,8 @@ class ParabolaDrive:
         "parabola.x",
         "parabola.vx",
     )
-    OUTPUTS = _OUTPUTS
-    FEEDTHROUGH = (0,)
+    OUTPUTS: ClassVar[dict[str, int]] = _OUTPUTS
+    FEEDTHROUGH: ClassVar[tuple[int, ...]] = (0,)
 
     def __init__(self) -> None:
         # gains, m/s2 per unit of the measurement
@@ -274,7 +276,7 @@ class ParabolaDrive:
 
     # -- observation -----------------------------------------------------------------------------
     def observe(self, group: int, values: list[float], first: int) -> None:
-        """Write the outputs to values[first:first + 3]."""
+        """Write the outputs to values[first:first + 3], whatever the group: it takes no longer."""
         sample = self.sample_time()
         if sample == sample:
             values[first], values[first + 1], values[first + 2] = self.law(sample)

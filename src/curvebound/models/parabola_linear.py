@@ -39,6 +39,10 @@ class ParabolaLinear(ParabolaNonlinear):
         self.th_o: float = 0.0
         self.th_1: float = 0.0
         self.damped: bool = False
+        #: whether u and th alone count, with constant factors: u_u and th_u are those of u
+        self.plain: bool = True
+        self.u_u: float = 0.0
+        self.th_u: float = 0.0
         self.is_linear = True
 
     def place(self) -> None:
@@ -63,10 +67,15 @@ class ParabolaLinear(ParabolaNonlinear):
         self.th_p = self.c1 / (m1 * r)
         self.th_o = -self.c2 / (m1 * r) * (self.mass_ratio / r)
         self.th_1 = (self.f2x / m2 - self.f1x / m1) / r
+        self.u_u = 2.0 * self.a * (self.u_q - self.u_k)
+        self.th_u = 2.0 * self.a * (self.th_q - self.th_k)
+        self.plain = not (self.reshapes or self.damped or self.u_1 != 0.0 or self.th_1 != 0.0)
 
     def acceleration(
         self, t: float, q0: float, q1: float, v0: float, v1: float
     ) -> tuple[float, float]:
+        if self.plain:
+            return self.u_u * q0 + self.u_k * q1, self.th_u * q0 + self.th_k * q1
         a2 = 2.0 * self.a
         if self.reshapes:
             a2 += t * (2.0 * self.a_rate + t * self.a_acceleration)

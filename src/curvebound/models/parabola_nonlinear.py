@@ -85,10 +85,10 @@ class ParabolaNonlinear(ParabolaBase):
             * self.per_r,
         )
 
-    def forces(
+    def push_and_pull(
         self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float, float, float]:
-        """Normal force, tension, force of the parabola on the slider (x, y), all N."""
+    ) -> tuple[float, float, float]:
+        """Force of the parabola on the slider (x, y) and tension of the rod, all N."""
         acceleration = self.a_acceleration
         rate = self.a_rate + t * acceleration
         a2 = 2.0 * self.a + t * (self.a_rate + rate)
@@ -102,46 +102,42 @@ class ParabolaNonlinear(ParabolaBase):
         w = c + q * s
         k = s - q * c
         lean = 1.0 + q * q
-        whirl = m2 * self.r * v1 * v1 + (self.f2x * s - self.f2y * c)
+        d = m1 * lean + m2 * k * k
+        whirl = m2 * self.r * v1 * v1
+        press = m1 * (g - q * x)
+        if not self.forced:
+            tension = (m1 * lean * whirl + m2 * w * press) / d
+            up = (press + w * tension) / lean
+            return -q * up, up, tension
+        whirl += self.f2x * s - self.f2y * c
         drag = self.c1 * v0
         push = self.f1x + q * self.f1y - drag * lean
         twist = self.c2 * v1 * self.per_r
-        press = m1 * (g - q * x)
-        tension = (lean * m1 * whirl + m2 * (w * press - k * (push + w * twist))) / (
-            m1 * lean + m2 * k * k
-        )
-        across = press - self.f1y + q * self.f1x + w * tension - k * twist
-        length = math.sqrt(lean)
-        normal = across / length
-        nx = normal * (-q / length)
-        ny = normal / length
-        return normal, tension, nx - drag, ny - drag * q
+        tension = (m1 * lean * whirl + m2 * (w * press - k * (push + w * twist))) / d
+        up = (press - self.f1y + q * self.f1x + w * tension - k * twist) / lean
+        return -q * up - drag, up - q * drag, tension
 
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
     ) -> float:
-        # frame, shape, forces and damping work; velocities are in the world frame
-        acceleration = self.a_acceleration
-        rate = self.a_rate + t * acceleration
-        q = (2.0 * self.a + t * (self.a_rate + rate)) * q0
+        # the parabola's force works along its own motion, the others along those of the masses
+        rate = self.a_rate + t * self.a_acceleration
         wx = self.vx + t * self.ax
         wy = self.vy + t * self.ay + rate * q0 * q0
         power = 0.0
         if self.moving or self.reshapes:
-            _, _, rx, ry = self.forces(t, q0, q1, v0, v1)
+            rx, ry, _ = self.push_and_pull(t, q0, q1, v0, v1)
             power = rx * wx + ry * wy
         if self.forced:
+            q = (2.0 * self.a + t * (self.a_rate + rate)) * q0
             vx = wx + v0
             vy = wy + q * v0
-            speed = self.r * v1
-            power += (
-                self.f1x * vx
-                + self.f1y * vy
-                + self.f2x * (vx + speed * math.cos(q1))
-                + self.f2y * (vy + speed * math.sin(q1))
-                - self.c1 * v0 * v0 * (1.0 + q * q)
-                - self.c2 * v1 * v1
-            )
+            power += self.f1x * vx + self.f1y * vy - self.c1 * v0 * v0 * (1.0 + q * q)
+            power -= self.c2 * v1 * v1
+            if self.f2x != 0.0 or self.f2y != 0.0:
+                speed = self.r * v1
+                power += self.f2x * (vx + speed * math.cos(q1))
+                power += self.f2y * (vy + speed * math.sin(q1))
         return power
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
@@ -244,8 +240,10 @@ class ParabolaNonlinear(ParabolaBase):
         return kinetic, potential - self.m2 * self.r * (self.gx * s - self.gy * c)
 
     def reactions(self) -> tuple[float, float, float, float]:
-        normal, tension, rx, ry = self.forces(0.0, self.q0, self.q1, self.v0, self.v1)
-        return normal, tension, -rx, -ry
+        rx, ry, tension = self.push_and_pull(0.0, self.q0, self.q1, self.v0, self.v1)
+        # friction is along the parabola: what is across is the normal force
+        q = 2.0 * self.a * self.q0
+        return (ry - q * rx) / math.sqrt(1.0 + q * q), tension, -rx, -ry
 
     def acceleration_error(self) -> float:
         return 0.0
