@@ -1,0 +1,273 @@
+// Time plots on uPlot, drawn from at most two points a pixel so that length costs nothing.
+
+const DASHES = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
+
+// Aligned data for uPlot: x, then one array a series. Where a series has more samples than pixels,
+// the least and the greatest of each column of pixels stand for all of them.
+function decimate(series, from, to, columns) {
+  const parts = series.map(({ times }) => {
+    const first = Math.max(indexAt(times, from) - 1, 0);
+    return [first, Math.min(indexAt(times, to) + 2, times.length)];
+  });
+  if (parts.some(([first, end]) => end - first > 2 * columns)) {
+    return minMax(series, parts, from, to, columns);
+  }
+  const tables = series.map(({ times, values }, k) => {
+    const [first, end] = parts[k];
+    return [Array.from(times.subarray(first, end)), blanks(values.subarray(first, end))];
+  });
+  return tables.length === 1 ? tables[0] : uPlot.join(tables, tables.map(() => [2]));
+}
+
+function blanks(values) {
+  return Array.from(values, (value) => (Number.isFinite(value) ? value : null));
+}
+
+function minMax(series, parts, from, to, columns) {
+  const width = (to - from) / columns, xs = new Array(2 * columns);
+  for (let k = 0; k < columns; k++) {
+    xs[2 * k] = from + (k + 0.25) * width;
+    xs[2 * k + 1] = from + (k + 0.75) * width;
+  }
+  return [xs, ...series.map(({ times, values }, at) => {
+    // Undefined is no data here, drawn across; null is a gap.
+    const out = new Array(2 * columns), [first, end] = parts[at];
+    let i = first;
+    for (let k = 0; k < columns; k++) {
+      const stop = from + (k + 1) * width;
+      let low = Infinity, high = -Infinity, lowAt = 0, highAt = 0, gap = false;
+      for (; i < end && (times[i] < stop || k === columns - 1); i++) {
+        const value = values[i];
+        if (!Number.isFinite(value)) { gap = true; continue; }
+        if (value < low) { low = value; lowAt = i; }
+        if (value > high) { high = value; highAt = i; }
+      }
+      if (high >= low) {
+        out[2 * k] = lowAt <= highAt ? low : high;
+        out[2 * k + 1] = lowAt <= highAt ? high : low;
+      } else if (gap) out[2 * k] = out[2 * k + 1] = null;
+    }
+    return out;
+  })];
+}
+
+class TimePlot {
+  // spec: a plot of the model; page: {colours, range(), seek(t), hover(t), many}.
+  constructor(spec, channels, page) {
+    this.spec = spec;
+    this.page = page;
+    this.logarithmic = false;
+    const many = new Set(spec.series.map((one) => one.actor)).size > 1;
+    const owners = new Set(spec.series.map((one) => one.owner)).size > 1;
+    const labels = [...new Set(spec.series.map((one) => one.label))];
+    const oneLabel = labels.length === 1;
+    this.series = spec.series.map((one, k) => ({
+      ...one,
+      times: channels[one.time],
+      values: channels[one.values],
+      text: owners ? (oneLabel ? one.owner : `${one.owner}: ${one.label}`) : one.label,
+      colour: many || page.many ? () => page.colours().actors[one.actor]
+        : () => page.colours().actors[k % 8],
+      dash: DASHES[(many || page.many ? labels.indexOf(one.label) : k) % DASHES.length],
+    }));
+    for (const one of this.series) one.format = formatter(one.values, spec.error);
+    this.build();
+  }
+
+  build() {
+    const { spec } = this;
+    this.element = document.createElement("section");
+    this.element.className = "plot";
+    this.element.setAttribute("aria-label", this.describe());
+    const head = document.createElement("header");
+    const title = document.createElement("h3");
+    title.textContent = spec.title;
+    const unit = prettyUnit(spec.unit);
+    if (unit) {
+      const small = document.createElement("span");
+      small.className = "unit";
+      small.textContent = ` ${unit}`;
+      title.append(small);
+    }
+    head.append(title);
+    if (spec.error) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "small";
+      button.textContent = "log";
+      button.title = "Logarithmic axis of the magnitude";
+      button.setAttribute("aria-label", `Logarithmic axis: ${spec.title}`);
+      button.setAttribute("aria-pressed", "false");
+      button.addEventListener("click", () => {
+        this.logarithmic = !this.logarithmic;
+        button.setAttribute("aria-pressed", String(this.logarithmic));
+        this.mount();
+      });
+      head.append(button);
+    }
+    this.legend = document.createElement("ul");
+    this.legend.className = "legend";
+    this.cells = this.series.map((one) => {
+      const item = document.createElement("li"), swatch = document.createElement("canvas");
+      swatch.width = 44;
+      swatch.height = 12;
+      swatch.setAttribute("aria-hidden", "true");
+      const label = document.createElement("span"), value = document.createElement("output");
+      label.textContent = one.text;
+      item.append(swatch, label, value);
+      this.legend.append(item);
+      return { swatch, value };
+    });
+    this.box = document.createElement("div");
+    this.box.className = "chart";
+    this.box.setAttribute("aria-hidden", "true");
+    this.element.append(head, this.box, this.legend);
+  }
+
+  // For those who cannot see it: from where to where each series goes.
+  describe() {
+    const unit = prettyUnit(this.spec.unit);
+    const parts = this.series.map((one) => {
+      let low = Infinity, high = -Infinity;
+      for (const value of one.values) {
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+      const range = low <= high ? `from ${one.format(low)} to ${one.format(high)} ${unit}` : "blank";
+      return `${one.text} ${range}`;
+    });
+    return `${this.spec.title} over time: ${parts.join("; ")}`;
+  }
+
+  // Draw anew: at first, and when size, theme or kind of axis change.
+  mount() {
+    if (this.chart) this.chart.destroy();
+    const width = Math.max(this.box.clientWidth, 160), height = 170;
+    const colours = this.page.colours();
+    this.swatches();
+    const axis = { stroke: colours.muted, grid: { stroke: colours.grid, width: 1 },
+                   ticks: { stroke: colours.grid, width: 1, size: 4 }, font: colours.font };
+    const values = (_, ticks) => ticks.map((tick) => (tick === null ? "" : tickText(tick)));
+    const single = this.series.every((one) => one.times.length === 1);
+    this.chart = new uPlot({
+      width, height,
+      pxAlign: 0,
+      legend: { show: false },
+      cursor: { show: false },
+      padding: [8, 22, 0, 0],
+      scales: {
+        x: { time: false, range: () => this.page.range() },
+        y: this.logarithmic ? { distr: 3, range: logRange } : { range: linearRange },
+      },
+      axes: [
+        { ...axis, size: 24, gap: 4, values: (_, t) => t.map((x) => `${tickText(x)} s`), space: 60 },
+        { ...axis, size: 66, gap: 4, space: 26, values },
+      ],
+      series: [{}, ...this.series.map((one) => ({
+        stroke: one.colour, dash: one.dash, spanGaps: false,
+        // Later ones are thinner, so that two on one line both show.
+        width: this.page.many ? Math.max(3 - one.actor, 1.2) : 1.5,
+        points: { show: single, size: 7 },
+      }))],
+    }, this.data(width), this.box);
+    this.playhead = document.createElement("div");
+    this.playhead.className = "playhead";
+    this.ghost = document.createElement("div");
+    this.ghost.className = "playhead ghost";
+    this.chart.over.append(this.ghost, this.playhead);
+    this.listen(this.chart.over);
+    this.at(this.time ?? this.page.range()[0]);
+  }
+
+  swatches() {
+    this.cells.forEach(({ swatch }, k) => {
+      const c = swatch.getContext("2d");
+      c.clearRect(0, 0, 44, 12);
+      c.strokeStyle = this.series[k].colour();
+      c.lineWidth = 4;
+      c.setLineDash(this.series[k].dash.map((length) => length * 1.6));
+      c.beginPath();
+      c.moveTo(0, 6);
+      c.lineTo(44, 6);
+      c.stroke();
+    });
+  }
+
+  data(width) {
+    const [from, to] = this.page.range();
+    const data = decimate(this.series, from, to, Math.max(width - 88, 80));
+    if (!this.logarithmic) return data;
+    const size = (value) => (typeof value === "number" ? Math.abs(value) || null : value);
+    return [data[0], ...data.slice(1).map((values) => values.map(size))];
+  }
+
+  // The range of time has changed.
+  refresh() {
+    if (this.chart) this.chart.setData(this.data(this.chart.width));
+    if (this.chart && this.time !== undefined) this.move(this.playhead, this.time);
+  }
+
+  at(t) {
+    this.time = t;
+    if (this.chart) this.move(this.playhead, t);
+  }
+
+  hover(t) {
+    if (!this.chart) return;
+    this.ghost.classList.toggle("on", t !== null);
+    if (t !== null) this.move(this.ghost, t);
+  }
+
+  move(line, t) {
+    const [from, to] = this.page.range();
+    const x = (t - from) / (to - from) * this.chart.over.clientWidth;
+    line.style.transform = `translateX(${x}px)`;
+    line.classList.toggle("off", !(t >= from && t <= to));
+  }
+
+  // Numbers in the legend, those of the sample nearest to t.
+  tell(t) {
+    this.cells.forEach(({ value }, k) => {
+      const { times, values, format, unit } = this.series[k];
+      const past = t > times[times.length - 1] + 1e-9 || t < times[0] - 1e-9;
+      const text = past ? "\u2013" : withUnit(format(values[nearestIndex(times, t)]), unit);
+      if (value.textContent !== text) value.textContent = text;
+    });
+  }
+
+  listen(over) {
+    const time = (event) => {
+      const box = over.getBoundingClientRect(), [from, to] = this.page.range();
+      return from + (to - from) * (event.clientX - box.left) / box.width;
+    };
+    over.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
+      over.setPointerCapture(event.pointerId);
+      this.page.seek(time(event));
+    });
+    over.addEventListener("pointermove", (event) => {
+      if (over.hasPointerCapture(event.pointerId)) this.page.seek(time(event));
+      else if (event.pointerType === "mouse") this.page.hover(time(event));
+    });
+    over.addEventListener("pointerleave", () => this.page.hover(null));
+    over.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey && !event.metaKey) return;
+      event.preventDefault();
+      this.page.zoomTime(Math.exp(-event.deltaY / 300), time(event));
+    }, { passive: false });
+  }
+}
+
+function linearRange(_, low, high) {
+  if (low === null || high === null || !Number.isFinite(low + high)) return [0, 1];
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  // What is constant but for rounding is drawn as a straight line, not as noise.
+  const span = high - low, least = 1e-9 * size;
+  const pad = span > least ? 0.08 * span : size > 0 ? 0.1 * size : 1;
+  return [low - pad, high + pad];
+}
+
+function logRange(_, low, high) {
+  if (low === null || high === null || !(low > 0)) return [1e-3, 1];
+  return [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high) + 1e-9)];
+}

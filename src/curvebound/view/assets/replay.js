@@ -1,0 +1,478 @@
+// The page: puts clock, drawing, plots and controls together.
+
+const SPEEDS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
+const THEMES = ["auto", "light", "dark"];
+const get = (id) => document.getElementById(id);
+
+function element(tag, text, attributes = {}) {
+  const made = document.createElement(tag);
+  if (text !== undefined) made.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  return made;
+}
+
+function complain(problem) {
+  const text = problem instanceof Error ? `${problem.name}: ${problem.message}` : String(problem);
+  get("trouble").textContent = `The replay cannot go on (${text}).`;
+  get("trouble").hidden = false;
+}
+
+// The colours of the theme in force, from the style sheet.
+function themeColours() {
+  const style = getComputedStyle(document.documentElement);
+  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+  const actors = Array.from({ length: 8 }, (_, k) => colour(`result-${k}`));
+  const paper = colour("paper");
+  return {
+    paper, ink: colour("ink"), muted: colour("muted"), grid: colour("grid"), wire: colour("wire"),
+    actors, bobs: actors.map((one) => mix(one, paper, 0.32)),
+    font: "12px system-ui, sans-serif",
+  };
+}
+
+function mix(one, other, share) {
+  const part = (hex, k) => parseInt(hex.slice(1 + 2 * k, 3 + 2 * k), 16);
+  const blend = (k) => Math.round(part(one, k) * (1 - share) + part(other, k) * share);
+  return `rgb(${blend(0)}, ${blend(1)}, ${blend(2)})`;
+}
+
+class Page {
+  constructor(model, channels) {
+    this.model = model;
+    this.channels = channels;
+    const start = Math.min(...model.results.map((result) => result.start));
+    const end = Math.max(...model.results.map((result) => result.end));
+    this.player = new Player(start, end, () => this.changed());
+    // Single frames are the samples of the result that has most of them.
+    const finest = model.results.reduce((a, b) => (b.samples > a.samples ? b : a));
+    this.frames = channels[finest.time];
+    this.timeText = timeFormatter(this.frames);
+    this.window = [start, end];
+    this.hovered = null;
+    this.told = -Infinity;
+    this.colours = themeColours();
+    this.frameTimes = [];
+    this.many = model.actors.length > 1;
+    this.buildNotes();
+    if (model.actors.length) {
+      this.scene = new Scene(get("scene"), model, channels, () => this.colours);
+      this.buildLegend();
+      this.listenScene();
+    } else {
+      get("stage").hidden = true;
+    }
+    this.buildReadouts();
+    this.buildPlots();
+    this.buildControls();
+    this.setTheme("auto");
+    this.readHash();
+    new ResizeObserver(() => this.resized()).observe(document.body);
+    if (this.scene) new ResizeObserver(() => this.resized()).observe(get("scene"));
+    this.changed();
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  // ---- time -------------------------------------------------------------------------------
+
+  frame(now) {
+    this.frameTimes.push(now);
+    if (this.frameTimes.length > 240) this.frameTimes.shift();
+    const before = this.player.time;
+    this.player.advance(now);
+    if (this.player.time !== before) this.dirty = true;
+    if (this.dirty) {
+      this.dirty = false;
+      this.show(now);
+    }
+    requestAnimationFrame((next) => this.frame(next));
+  }
+
+  show(now) {
+    const t = this.player.time;
+    if (this.scene) this.scene.draw(t);
+    this.keepInWindow(t);
+    for (const plot of this.plots) plot.at(t);
+    if (document.activeElement !== get("scrub") || this.player.playing) get("scrub").value = t;
+    get("clock").textContent = `${this.timeText(t)} s`;
+    // Digits that change at every frame cannot be read.
+    if (now - this.told > 100 || !this.player.playing) {
+      this.told = now;
+      this.tell();
+    }
+  }
+
+  tell() {
+    const t = this.hovered ?? this.player.time;
+    for (const plot of this.plots) if (plot.chart) plot.tell(t);
+    for (const { cell, times, values, format, unit } of this.cells) {
+      const past = this.player.time > times[times.length - 1] + 1e-9;
+      const value = values[nearestIndex(times, this.player.time)];
+      const text = past ? "ended" : withUnit(format(value), unit);
+      if (cell.textContent !== text) cell.textContent = text;
+    }
+    get("scrub").setAttribute("aria-valuetext", `${this.timeText(this.player.time)} seconds`);
+  }
+
+  // The player has started, stopped or jumped.
+  changed() {
+    const { playing, speed, loop, time } = this.player;
+    const still = !(this.player.length > 0);
+    const button = get("play");
+    button.setAttribute("aria-label", playing ? "Pause" : "Play");
+    button.title = playing ? "Pause (space)" : "Play (space)";
+    button.dataset.state = playing ? "playing" : "paused";
+    for (const id of ["play", "back", "forth", "start", "scrub"]) get(id).disabled = still;
+    get("speed").value = String(speed);
+    get("loop").setAttribute("aria-pressed", String(loop));
+    if (!playing) this.announce(time);
+    this.dirty = true;
+  }
+
+  // Tells a screen reader where the replay stands, once it rests.
+  announce(time) {
+    clearTimeout(this.saying);
+    this.saying = setTimeout(() => {
+      const parts = this.cells.slice(0, 4).map(({ name, cell }) => `${name} ${cell.textContent}`);
+      get("spoken").textContent = `${this.timeText(time)} seconds. ${parts.join(", ")}`;
+    }, 400);
+  }
+
+  // One sample on or back; a jump of k seconds of the wall's time.
+  step(by) {
+    this.player.pause();
+    const { time } = this.player, i = indexAt(this.frames, time);
+    let k = i + by;
+    if (by < 0 && this.frames[i] < time - 1e-12) k += 1;
+    while (by > 0 && k < this.frames.length - 1 && this.frames[k] <= time) k++;
+    while (by < 0 && k > 0 && this.frames[k] >= time) k--;
+    this.player.seek(this.frames[Math.min(Math.max(k, 0), this.frames.length - 1)]);
+  }
+
+  faster(by) {
+    const at = SPEEDS.findIndex((speed) => speed >= this.player.speed * 0.999);
+    this.player.pace(SPEEDS[Math.min(Math.max((at < 0 ? 6 : at) + by, 0), SPEEDS.length - 1)]);
+  }
+
+  toggleLoop() {
+    this.player.loop = !this.player.loop;
+    this.changed();
+  }
+
+  // ---- range of the plots -----------------------------------------------------------------
+
+  range() {
+    const [from, to] = this.window;
+    return to > from ? [from, to] : [from - 0.5, to + 0.5];
+  }
+
+  zoomTime(factor, about = this.player.time) {
+    const { start, end, length } = this.player, [from, to] = this.window;
+    const span = Math.min((to - from) / factor, length);
+    const share = Math.min(Math.max((about - from) / (to - from || 1), 0), 1);
+    let first = about - share * span;
+    first = Math.min(Math.max(first, start), end - span);
+    if (span > length * 1e-7) this.setWindow(first, first + span);
+  }
+
+  setWindow(from, to) {
+    if (from === this.window[0] && to === this.window[1]) return;
+    this.window = [from, to];
+    for (const plot of this.plots) plot.refresh();
+    get("time-all").disabled = from <= this.player.start && to >= this.player.end;
+    this.dirty = true;
+  }
+
+  // Turns the page when the playhead leaves the plots.
+  keepInWindow(t) {
+    const [from, to] = this.window, span = to - from;
+    if (t >= from && t <= to) return;
+    const { start, end } = this.player;
+    const first = t > to ? Math.min(t - 0.02 * span, end - span) : t - 0.98 * span;
+    const begin = Math.max(Math.min(first, t), start);
+    this.setWindow(begin, begin + span);
+  }
+
+  hover(t) {
+    this.hovered = t;
+    for (const plot of this.plots) plot.hover(t);
+    this.told = -Infinity;
+    this.dirty = true;
+  }
+
+  // ---- parts of the page ------------------------------------------------------------------
+
+  buildNotes() {
+    const { notes } = this.model;
+    if (!notes.length) return;
+    get("notes").hidden = false;
+    for (const note of notes) get("notes").append(element("p", note));
+  }
+
+  buildLegend() {
+    if (!this.many) return;
+    for (const actor of this.model.actors) {
+      const item = element("li", actor.label);
+      const dot = element("i", undefined, { "aria-hidden": "true", class: `dot ${actor.kind} c${actor.number}` });
+      item.prepend(dot);
+      get("legend").append(item);
+    }
+    get("legend").hidden = false;
+  }
+
+  buildReadouts() {
+    this.cells = [];
+    const { readouts, actors } = this.model, table = get("readouts");
+    if (!readouts.length) {
+      get("panel").hidden = true;
+      return;
+    }
+    if (this.many) {
+      const row = element("tr");
+      row.append(element("th", "", { scope: "col" }));
+      actors.forEach((actor, k) => {
+        const head = element("th", "", { scope: "col" });
+        head.append(element("i", undefined, { "aria-hidden": "true", class: `dot ${actor.kind} c${k}` }));
+        head.append(actor.label);
+        row.append(head);
+      });
+      table.append(row);
+    }
+    for (const { label, unit, error, cells } of readouts) {
+      const row = element("tr");
+      row.append(element("th", label, { scope: "row" }));
+      cells.forEach((one, k) => {
+        const cell = element("td", one ? "" : "\u2013");
+        row.append(cell);
+        if (!one) return;
+        const values = this.channels[one.values];
+        const name = this.many ? `${actors[k].label} ${label}` : label;
+        const format = formatter(values, error);
+        this.cells.push({ cell, name, times: this.channels[one.time], values, unit, format });
+      });
+      table.append(row);
+    }
+  }
+
+  buildPlots() {
+    const page = {
+      colours: () => this.colours, many: this.many,
+      range: () => this.range(), seek: (t) => this.player.seek(t), hover: (t) => this.hover(t),
+      zoomTime: (factor, t) => this.zoomTime(factor, t),
+    };
+    this.plots = this.model.plots.map((spec) => new TimePlot(spec, this.channels, page));
+    const chooser = get("chooser");
+    this.plots.forEach((plot, k) => {
+      const box = element("input", undefined, { type: "checkbox", id: `plot-${k}` });
+      box.checked = plot.spec.shown;
+      const label = element("label", plot.spec.title, { for: `plot-${k}` });
+      label.prepend(box);
+      chooser.append(label);
+      plot.element.hidden = !plot.spec.shown;
+      box.addEventListener("change", () => {
+        plot.element.hidden = !box.checked;
+        if (box.checked) plot.mount();
+        this.tell();
+      });
+      get("plots").append(plot.element);
+    });
+    get("plot-area").hidden = !this.plots.length;
+  }
+
+  buildControls() {
+    const { player } = this, scrub = get("scrub");
+    scrub.min = player.start;
+    scrub.max = player.end;
+    scrub.step = "any";
+    get("end").textContent = `/ ${this.timeText(player.end)} s`;
+    for (const speed of SPEEDS) get("speed").append(element("option", `${speed}\u00d7`, { value: speed }));
+    const on = (id, action) => get(id).addEventListener("click", action);
+    on("play", () => player.toggle());
+    on("back", () => this.step(-1));
+    on("forth", () => this.step(1));
+    on("start", () => player.seek(player.start));
+    on("loop", () => this.toggleLoop());
+    on("theme", () => this.nextTheme());
+    on("time-in", () => this.zoomTime(2));
+    on("time-out", () => this.zoomTime(0.5));
+    on("time-all", () => this.setWindow(player.start, player.end));
+    on("help-button", () => this.help());
+    scrub.addEventListener("input", () => player.seek(Number(scrub.value)));
+    get("speed").addEventListener("change", () => player.pace(Number(get("speed").value)));
+    if (this.scene) {
+      get("follow").setAttribute("aria-pressed", String(this.scene.following));
+      on("zoom-in", () => this.look(() => this.scene.zoomBy(1.4)));
+      on("zoom-out", () => this.look(() => this.scene.zoomBy(1 / 1.4)));
+      on("fit", () => this.look(() => this.scene.fit()));
+      on("follow", () => this.toggleFollow());
+      get("trail").addEventListener("change", () => this.look(() => {
+        this.scene.trail = Number(get("trail").value);
+      }));
+    }
+    document.addEventListener("keydown", (event) => this.key(event));
+    document.addEventListener("visibilitychange", () => player.anchor());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
+  }
+
+  // Change the view of the scene and draw it.
+  look(change) {
+    change();
+    this.dirty = true;
+  }
+
+  toggleFollow() {
+    this.look(() => this.scene.follow(!this.scene.following));
+    get("follow").setAttribute("aria-pressed", String(this.scene.following));
+  }
+
+  nextTrail() {
+    const select = get("trail");
+    select.selectedIndex = (select.selectedIndex + 1) % select.options.length;
+    select.dispatchEvent(new Event("change"));
+  }
+
+  help() {
+    const dialog = get("help");
+    if (dialog.open) dialog.close(); else dialog.showModal();
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const tag = event.target.tagName;
+    // Buttons, lists and boxes keep the keys that are theirs.
+    if (tag === "SELECT" || get("help").open) return;
+    if (event.key === " " && (tag === "BUTTON" || event.target.type === "checkbox")) return;
+    const { player } = this, big = Math.max(player.length / 100, 1e-9);
+    const actions = {
+      " ": () => player.toggle(), k: () => player.toggle(),
+      ArrowLeft: () => (event.shiftKey ? player.seek(player.time - big) : this.step(-1)),
+      ArrowRight: () => (event.shiftKey ? player.seek(player.time + big) : this.step(1)),
+      PageDown: () => player.seek(player.time + 10 * big),
+      PageUp: () => player.seek(player.time - 10 * big),
+      Home: () => player.seek(player.start), End: () => player.seek(player.end),
+      "[": () => this.faster(-1), "]": () => this.faster(1), 1: () => player.pace(1),
+      l: () => this.toggleLoop(), d: () => this.nextTheme(), "?": () => this.help(),
+      "<": () => this.zoomTime(0.5), ">": () => this.zoomTime(2),
+      a: () => this.setWindow(player.start, player.end),
+    };
+    if (this.scene) {
+      Object.assign(actions, {
+        f: () => this.look(() => this.scene.fit()), c: () => this.toggleFollow(),
+        t: () => this.nextTrail(),
+        "+": () => this.look(() => this.scene.zoomBy(1.4)),
+        "=": () => this.look(() => this.scene.zoomBy(1.4)),
+        "-": () => this.look(() => this.scene.zoomBy(1 / 1.4)),
+      });
+    }
+    const action = actions[event.key] ?? actions[event.key.toLowerCase()];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  // Mouse: drag moves, ctrl and wheel zoom. Touch: two fingers move and zoom. A tap plays or pauses.
+  listenScene() {
+    const canvas = get("scene"), fingers = new Map();
+    let travelled = 0, most = 0;
+    const local = (event) => {
+      const box = canvas.getBoundingClientRect();
+      return [event.clientX - box.left, event.clientY - box.top];
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      if (!fingers.size) travelled = most = 0;
+      fingers.set(event.pointerId, local(event));
+      most = Math.max(most, fingers.size);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const before = fingers.get(event.pointerId);
+      if (!before) return;
+      const now = local(event), dx = now[0] - before[0], dy = now[1] - before[1];
+      travelled += Math.hypot(dx, dy);
+      fingers.set(event.pointerId, now);
+      if (event.pointerType === "touch" && fingers.size < 2) return;
+      const others = [...fingers].filter(([id]) => id !== event.pointerId);
+      this.look(() => {
+        if (others.length) {
+          const [x, y] = others[0][1];
+          const grown = Math.hypot(now[0] - x, now[1] - y) / Math.hypot(before[0] - x, before[1] - y);
+          if (Number.isFinite(grown) && grown > 0) this.scene.zoomBy(grown, x, y);
+        } else this.scene.panBy(dx, dy);
+      });
+    });
+    const lift = (event) => {
+      fingers.delete(event.pointerId);
+      if (event.type === "pointerup" && !fingers.size && most === 1 && travelled < 6) {
+        this.player.toggle();
+      }
+    };
+    canvas.addEventListener("pointerup", lift);
+    canvas.addEventListener("pointercancel", lift);
+    canvas.addEventListener("dblclick", () => this.look(() => this.scene.fit()));
+    canvas.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey && !event.metaKey) return;
+      event.preventDefault();
+      this.look(() => this.scene.zoomBy(Math.exp(-event.deltaY / 300), ...local(event)));
+    }, { passive: false });
+  }
+
+  // ---- look -------------------------------------------------------------------------------
+
+  nextTheme() {
+    this.setTheme(THEMES[(THEMES.indexOf(this.theme) + 1) % THEMES.length]);
+  }
+
+  setTheme(theme) {
+    this.theme = theme;
+    if (theme === "auto") delete document.documentElement.dataset.theme;
+    else document.documentElement.dataset.theme = theme;
+    get("theme").textContent = { auto: "Auto", light: "Light", dark: "Dark" }[theme];
+    get("theme").setAttribute("aria-label", `Theme: ${theme}`);
+    this.recolour();
+  }
+
+  recolour() {
+    this.colours = themeColours();
+    this.resized();
+  }
+
+  resized() {
+    if (this.scene) this.scene.resize();
+    for (const plot of this.plots) if (!plot.element.hidden) plot.mount();
+    this.dirty = true;
+    this.told = -Infinity;
+  }
+
+  // The address may say how to begin: #t=1.5&speed=0.5&play=0&theme=dark
+  readHash() {
+    const wish = new URLSearchParams(location.hash.slice(1));
+    const number = (name) => Number.parseFloat(wish.get(name));
+    if (THEMES.includes(wish.get("theme"))) this.setTheme(wish.get("theme"));
+    if (number("speed") > 0) this.player.pace(number("speed"));
+    if (Number.isFinite(number("t"))) this.player.seek(number("t"));
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (wish.get("play") === "1" || (wish.get("play") !== "0" && !calm)) this.player.play();
+  }
+
+  // Frames a second over the last few seconds, for those who measure.
+  framesPerSecond() {
+    const n = this.frameTimes.length;
+    return n > 1 ? 1000 * (n - 1) / (this.frameTimes[n - 1] - this.frameTimes[0]) : 0;
+  }
+}
+
+async function main() {
+  window.addEventListener("error", (event) => complain(event.error ?? event.message));
+  window.addEventListener("unhandledrejection", (event) => complain(event.reason));
+  if (typeof DecompressionStream === "undefined") {
+    complain("this browser is too old: Chrome 80, Firefox 113 or Safari 16.4 and later can");
+    return;
+  }
+  const model = JSON.parse(get("model").textContent);
+  model.actors.forEach((actor, number) => { actor.number = number; });
+  const channels = decodeChannels(model.channels, await unpack("samples"));
+  get("samples").textContent = "";
+  window.curvebound = new Page(model, channels);
+  document.documentElement.dataset.ready = "true";
+}
+
+main();

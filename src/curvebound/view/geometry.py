@@ -1,0 +1,128 @@
+"""How far two motions are apart, and the part of the plane that shows them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .actors import BEAD, Actor, Floats
+
+__all__ = ["Box", "box_of", "common_samples", "distances", "follows_frame"]
+
+Box = tuple[float, float, float, float]  # left, bottom, right, top, in m
+
+_MARGIN = 0.12  # of a size, around everything
+_BLOWN_UP = 6.0  # times the middle 90 % of the positions: beyond that a run has left the picture
+_LEAST_COMMON = 50
+
+
+def distances(
+    first: Actor, first_time: Floats, other: Actor, other_time: Floats
+) -> tuple[Floats, list[tuple[str, Floats]]]:
+    """Distance in m between the points of two actors of one kind: (time, [(point, distance)]).
+
+    Taken at the sample times that both have, where these are many enough, so that no
+    interpolation adds to it; else `other` is interpolated (cubic) at the times of `first`.
+    """
+    mine, theirs = common_samples(first_time, other_time)
+    enough = min(_LEAST_COMMON, max(1, min(len(first_time), len(other_time)) // 2))
+    pairs = zip(first.points(), other.points(), strict=True)
+    if len(mine) >= enough:
+        return first_time[mine], [
+            (name, np.hypot(x[mine] - ox[theirs], y[mine] - oy[theirs]))
+            for (name, x, y), (_, ox, oy) in pairs
+        ]
+    inside = (first_time >= other_time[0]) & (first_time <= other_time[-1])
+    times = first_time[inside]
+    return times, [
+        (
+            name,
+            np.hypot(
+                x[inside] - _cubic(other_time, ox, times), y[inside] - _cubic(other_time, oy, times)
+            ),
+        )
+        for (name, x, y), (_, ox, oy) in pairs
+    ]
+
+
+def common_samples(
+    first: Floats, other: Floats
+) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], np.ndarray[tuple[int], np.dtype[np.intp]]]:
+    """Indices into two ascending arrays of times where these agree but for rounding."""
+    span = max(abs(float(first[-1])), abs(float(other[-1])), abs(float(first[0])), 1e-300)
+    # Index of the nearest time in `other` for each in `first`.
+    right = np.clip(np.searchsorted(other, first), 1, max(len(other) - 1, 1))
+    right = np.minimum(right, len(other) - 1)
+    left = np.maximum(right - 1, 0)
+    nearest = np.where(np.abs(first - other[left]) <= np.abs(first - other[right]), left, right)
+    mine = np.flatnonzero(np.abs(other[nearest] - first) <= 1e-9 * span)
+    return mine, nearest[mine]
+
+
+def _cubic(time: Floats, values: Floats, at: Floats) -> Floats:
+    """Cubic Hermite interpolation with slopes from finite differences (Catmull and Rom, 1974)."""
+    once = np.concatenate(([True], np.diff(time) > 0.0))  # of samples at one time, the first
+    time, values = time[once], values[once]
+    if len(time) < 3:
+        return np.interp(at, time, values)
+    slopes = np.gradient(values, time)
+    i = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    h = time[i + 1] - time[i]
+    s = (at - time[i]) / h
+    keep, rest = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s)
+    bend = h * s * (1.0 - s) * ((1.0 - s) * slopes[i] - s * slopes[i + 1])
+    return np.asarray(keep * values[i] + rest * values[i + 1] + bend)
+
+
+def box_of(actors: list[Actor], *, relative: bool = False) -> Box:
+    """The box that holds every position of `actors`, wires and rods included.
+
+    With `relative`, as seen from each actor's frame. Positions of a run that blew up are left out.
+    """
+    boxes = [_box(actor, relative) for actor in actors]
+    return (
+        min(box[0] for box in boxes),
+        min(box[1] for box in boxes),
+        max(box[2] for box in boxes),
+        max(box[3] for box in boxes),
+    )
+
+
+def follows_frame(actors: list[Actor]) -> bool:
+    """Whether the frames move so far that a picture of the whole would show nothing."""
+    left, bottom, right, top = box_of(actors, relative=True)
+    all_left, all_bottom, all_right, all_top = box_of(actors)
+    return all_right - all_left > 3.0 * (right - left) or all_top - all_bottom > 3.0 * (top - bottom)
+
+
+def _box(actor: Actor, relative: bool) -> Box:
+    places = actor.places
+    zero = np.zeros(1)
+    frame_x, frame_y = (zero, zero) if relative else (places["frame_x"], places["frame_y"])
+    shift_x, shift_y = (places["frame_x"], places["frame_y"]) if relative else (zero, zero)
+    horizontal, vertical = [_extent(frame_x)], [_extent(frame_y)]
+    if actor.kind == BEAD:
+        for extents in (horizontal, vertical):
+            low, high = extents[0]
+            extents.append((low - actor.size, high + actor.size))
+    for _, x, y in actor.points():
+        horizontal.append(_extent(x - shift_x))
+        vertical.append(_extent(y - shift_y))
+    margin = _MARGIN * actor.size
+    return (
+        min(low for low, _ in horizontal) - margin,
+        min(low for low, _ in vertical) - margin,
+        max(high for _, high in horizontal) + margin,
+        max(high for _, high in vertical) + margin,
+    )
+
+
+def _extent(values: Floats) -> tuple[float, float]:
+    """Least and greatest of `values`, unless these lie far outside the middle of them."""
+    good = values[np.isfinite(values)]
+    if not good.size:
+        return 0.0, 0.0
+    low, inner_low, inner_high, high = np.percentile(good, (0.0, 5.0, 95.0, 100.0))
+    reach = _BLOWN_UP * (inner_high - inner_low)
+    if reach > 0.0:
+        low, high = max(low, inner_low - reach), min(high, inner_high + reach)
+    return float(low), float(high)

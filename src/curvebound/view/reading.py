@@ -1,0 +1,191 @@
+"""Reads a result file, ours or another tool's, and says in words what is wrong with it."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import CurveboundError
+
+__all__ = ["Reading", "check_result", "read_result"]
+
+_MOST_LISTED = 12
+_TIME_NAMES = ("time", "t")
+_UNIT_SUFFIX = re.compile(r"\s*[\[(][^\[\]()]*[\])]\s*$")
+_WORDS = {"true": 1.0, "false": 0.0, "": float("nan")}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A result as a structured array (`time` first), and what was odd about its file."""
+
+    data: NDArray[Any]
+    notes: tuple[str, ...] = field(default=())
+
+
+def read_result(path: Path) -> Reading:
+    """Read the CSV file at `path`.
+
+    The first line names the columns, one of which is `time` (`t` and a unit in brackets are
+    understood too); commas, semicolons and tabulators separate. A last line that was cut off and
+    columns that hold no numbers are left out and noted.
+
+    Raises CurveboundError, naming the line, where the file is missing, empty, no table of numbers,
+    or its time does not run forward.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise CurveboundError(
+            f"There is no file {path}. Write one with `curvebound run SCENE --out {path}`."
+        ) from None
+    except UnicodeDecodeError:
+        raise CurveboundError(
+            f"{path} is not text, so not a result in CSV. Give the file that "
+            "`curvebound run SCENE --out FILE.csv` wrote."
+        ) from None
+    except OSError as error:
+        raise CurveboundError(f"{path} cannot be read: {error.strerror}.") from None
+    lines = text.splitlines()
+    while lines and not lines[-1].strip():
+        lines.pop()
+    if not lines:
+        raise CurveboundError(
+            f"{path} is empty: the run that should have written it did not finish. Run it again."
+        )
+    delimiter = max(",;\t", key=lines[0].count)
+    names = [name.strip() for name in next(csv.reader([lines[0]], delimiter=delimiter))]
+    columns = _columns(path, names)
+    if len(lines) == 1:
+        raise CurveboundError(
+            f"{path} holds the names of {len(names)} columns and no sample: "
+            "the run that wrote it failed before its first point. Run it again."
+        )
+    table, notes = _table(path, lines, len(names), delimiter)
+    return _assemble(path, columns, table, notes)
+
+
+def check_result(label: str, data: NDArray[Any]) -> None:
+    """Raise CurveboundError where `data` is no result: no `time`, no sample, time not forward."""
+    names = data.dtype.names
+    if not names or "time" not in names:
+        raise CurveboundError(f"{label} has no column `time`. {_listed(list(names or ()))}")
+    if not data.size:
+        raise CurveboundError(f"{label} holds no sample: the run failed before its first point.")
+    time = np.atleast_1d(data)["time"]
+    if not np.all(np.isfinite(time)):
+        row = int(np.argmin(np.isfinite(time)))
+        raise CurveboundError(
+            f"{label}: the time of sample {row + 1} is {time[row]!s}, not a number. "
+            "Remove that sample or run the scene again."
+        )
+    back = np.flatnonzero(np.diff(time) < 0)
+    if back.size:
+        row = int(back[0]) + 1
+        raise CurveboundError(
+            f"{label}: time goes back from {float(time[row - 1])!r} s to {float(time[row])!r} s at "
+            f"sample {row + 1}. If the file holds several runs, split it and give each by itself."
+        )
+
+
+def _columns(path: Path, names: list[str]) -> list[str]:
+    """The names without units, time called `time`; refuses what is no header of a result."""
+    if all(_number(name) is not None for name in names):
+        raise CurveboundError(
+            f"The first line of {path} holds numbers where the names of the columns belong. "
+            "Put a line of names above it: time, then one per variable, e.g. `time,bead.x,bead.y`."
+        )
+    plain = [_UNIT_SUFFIX.sub("", name) or f"column {i + 1}" for i, name in enumerate(names)]
+    for wanted in _TIME_NAMES:
+        hits = [i for i, name in enumerate(plain) if name.lower() == wanted]
+        if hits:
+            plain[hits[0]] = "time"
+            break
+    else:
+        raise CurveboundError(
+            f"{path} has no column `time`. {_listed(plain)} Rename the one that holds the time in "
+            "seconds to `time`."
+        )
+    twice = sorted({name for name in plain if plain.count(name) > 1})
+    if twice:
+        raise CurveboundError(
+            f"{path} names the column `{twice[0]}` {plain.count(twice[0])} times. "
+            "Give each column a name of its own."
+        )
+    return plain
+
+
+def _table(
+    path: Path, lines: list[str], width: int, delimiter: str
+) -> tuple[NDArray[np.float64], list[str]]:
+    """All samples, one row each."""
+    body = lines[1:]
+    decimal_comma = delimiter != "," and "," in body[0]
+    if not decimal_comma:
+        try:
+            table = np.loadtxt(body, delimiter=delimiter, ndmin=2, comments=None)
+            if table.shape[1] == width:
+                return table, []
+        except ValueError:
+            pass  # something in it is no number: look closer, and slower
+    rows: list[list[float]] = []
+    for at, cells in enumerate(csv.reader(body, delimiter=delimiter), start=2):
+        if not cells:
+            continue
+        if len(cells) != width:
+            if at == len(lines) and len(cells) < width and rows:
+                return np.array(rows), [
+                    f"The last line has {len(cells)} of {width} values, so the file was cut off "
+                    f"while it was written: the {len(rows)} whole samples before it are shown."
+                ]
+            raise CurveboundError(
+                f"Line {at} of {path} has {len(cells)} values, the first line names {width} "
+                "columns: not a result in CSV, or a damaged one. Run the scene again."
+            )
+        if decimal_comma:
+            cells = [cell.replace(",", ".") for cell in cells]
+        rows.append([_value(cell) for cell in cells])
+    return np.array(rows).reshape(len(rows), width), []
+
+
+def _assemble(
+    path: Path, columns: list[str], table: NDArray[np.float64], notes: list[str]
+) -> Reading:
+    first = columns.index("time")
+    order = [first, *(i for i in range(len(columns)) if i != first)]
+    kept = [i for i in order if i == first or not np.all(np.isnan(table[:, i]))]
+    dropped = [columns[i] for i in order if i not in kept]
+    if dropped:
+        notes.append(f"Without a single number, so left out: {_names(dropped)}.")
+    data = np.empty(len(table), dtype=[(columns[i], np.float64) for i in kept])
+    for i in kept:
+        data[columns[i]] = table[:, i]
+    check_result(str(path), data)
+    return Reading(data, tuple(notes))
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def _value(cell: str) -> float:
+    number = _number(cell)
+    return _WORDS.get(cell.strip().lower(), float("nan")) if number is None else number
+
+
+def _names(names: list[str]) -> str:
+    more = len(names) - _MOST_LISTED
+    return ", ".join(names[:_MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _listed(names: list[str]) -> str:
+    return f"Its columns: {_names(names)}." if names else "It names no columns."

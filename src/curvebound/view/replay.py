@@ -1,0 +1,47 @@
+"""Writes results as one HTML file that replays them in any present-day browser."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from .files import asset, write_text
+from .model import build_model
+from .page import embedded_json, page
+
+__all__ = ["write_replay"]
+
+_SCRIPTS = ("data.js", "format.js", "scene.js", "plots.js", "player.js", "replay.js")
+
+
+def write_replay(
+    results: Sequence[tuple[str, NDArray[Any]]],
+    out: Path,
+    title: str | None = None,
+    notes: Sequence[str] = (),
+) -> Path:
+    """Write `results`, pairs of a label and a structured array, as a replay page to `out`.
+
+    Columns are `time` in s and `component.variable` or plain `variable` in SI units. Several
+    results share one picture, each in a colour of its own, with their distance from the first.
+    `notes` are shown above the picture. Raises CurveboundError where a result cannot be shown.
+    """
+    if title is None:
+        title = " and ".join(label for label, _ in results)
+    model, packer = build_model(results, title, notes)
+    ours = "\n".join(asset(name) for name in _SCRIPTS)
+    text = page(
+        "replay.html",
+        title=title,
+        styles=asset("uPlot.min.css") + "\n" + asset("common.css") + asset("replay.css"),
+        script=f'{asset("uPlot.iife.min.js")}\n(() => {{\n"use strict";\n{ours}}})();\n',
+        parts={
+            "licence": asset("uPlot.LICENSE"),
+            "model": embedded_json(model),
+            "samples": packer.base64(),
+        },
+    )
+    return write_text(out, text)
