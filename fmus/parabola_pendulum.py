@@ -87,6 +87,7 @@ FMU = Fmu(
         output("parabola.vy", "m/s", "velocity of the vertex upward"),
         output("parabola.coefficient", "1/m", "coefficient a of y = a u^2"),
         output("parabola.coefficient_rate", "1/(m.s)", "rate of the coefficient"),
+        *ENERGY,
         output(
             "constraint.normal_force",
             "N",
@@ -100,6 +101,5 @@ FMU = Fmu(
             "1",
             "linear fidelity: relative difference between linear and nonlinear accelerations",
         ),
-        *ENERGY,
     ),
 )

@@ -115,7 +115,8 @@ class Fmu(NamedTuple):
     """An FMU: its variables and the system of the kernel that gives them their meaning.
 
     `system` makes the engines of its instances: Plant(...) or Controller(...) of engine.py.
-    `stop_time` and `step_size` (s) and `tolerance` are those of DefaultExperiment.
+    `stop_time` and `step_size` (s) are those of DefaultExperiment. It states no tolerance: importers
+    would pass it to fmi2SetupExperiment, where it overrides the parameter solver.tolerance.
     """
 
     name: str
@@ -124,7 +125,6 @@ class Fmu(NamedTuple):
     variables: tuple[Variable, ...]
     stop_time: float = 10.0
     step_size: float = 0.01
-    tolerance: float = 1e-6
 
     def ordered(self) -> list[Variable]:
         """The variables in the order of their value references."""

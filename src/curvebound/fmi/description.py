@@ -82,7 +82,6 @@ def describe(fmu: Fmu, guid: str, engine: Engine) -> Element:
         {
             "startTime": "0",
             "stopTime": repr(fmu.stop_time),
-            "tolerance": repr(fmu.tolerance),
             "stepSize": repr(fmu.step_size),
         },
     )

@@ -432,7 +432,7 @@ class Engine:
                     self.retuned = True
                 else:
                     self.stale = True
-        if self.stale:
+        if self.stale or self.retuned:
             for g in range(len(self.fresh)):
                 self.fresh[g] = False
         else:
