@@ -1,0 +1,88 @@
+"""Compiling the forwarding library, forward.c: the binary of an FMU on Linux.
+
+Compiled once for all FMUs, since it reads from the FMU around it what is particular to one, and
+cached by content. The same compiler gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..places import cache_directory
+from .compile import compiler
+
+__all__ = ["SOURCE", "compile_forwarder", "compile_source", "why_not"]
+
+#: the source of the forwarding library
+SOURCE = Path(__file__).with_name("forward.c")
+
+# Only the FMI functions are visible, bound to this copy: several FMUs share a process. All symbols
+# are resolved on loading: what is missing must show there and not in a step. libdl is a separate
+# library on systems older than glibc 2.34, and an empty one since.
+_FLAGS = (
+    *("-std=c11", "-O2", "-g0", "-fno-ident", "-Wall", "-Wextra"),
+    *("-shared", "-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic"),
+    *("-Wl,-z,now", "-Wl,-z,relro", "-Wl,-z,noseparate-code", "-Wl,--build-id=none"),
+)
+_LIBRARIES = ("-Wl,--no-as-needed", "-l:libdl.so.2")
+
+_failure = ""
+
+
+def why_not() -> str:
+    """Why there is no forwarding library here, or ''."""
+    if sys.platform != "linux":
+        return f"no forwarding library for {sys.platform}"
+    if platform.machine() not in ("x86_64", "AMD64"):
+        return f"no wrapper of PythonFMU for {platform.machine()}"
+    if compiler() is None:
+        return "no C compiler found"
+    return _failure
+
+
+def compile_forwarder() -> Path | None:
+    """The compiled forwarding library, or None where why_not() gives a reason.
+
+    A compiler that fails is such a reason: FMUs can be built without.
+    """
+    global _failure
+    _failure = ""
+    if why_not():
+        return None
+    command = str(compiler())
+    try:
+        about = subprocess.run([command, "--version"], capture_output=True, check=True).stdout
+        parts = (SOURCE.read_bytes(), about, " ".join((*_FLAGS, *_LIBRARIES)).encode())
+        key = hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
+        library = cache_directory() / "forwarders" / f"{key}.so"
+        if not library.is_file():
+            compile_source(library)
+    except (OSError, subprocess.CalledProcessError) as error:
+        detail = getattr(error, "stderr", b"") or b""
+        _failure = f"compiling {SOURCE.name} failed: {detail.decode(errors='replace') or error}".strip()
+        return None
+    return library
+
+
+def compile_source(library: Path, extra: Sequence[str] = ()) -> None:
+    """Compile forward.c into `library`, with further flags for the compiler (tests: a sanitizer).
+
+    Raises OSError or subprocess.CalledProcessError, whose stderr holds the compiler's messages.
+    """
+    library.parent.mkdir(parents=True, exist_ok=True)
+    handle, scratch = tempfile.mkstemp(prefix=f".{library.name}-", dir=library.parent)
+    os.close(handle)
+    command = [str(compiler()), *_FLAGS, *extra, SOURCE.name, "-o", scratch, *_LIBRARIES]
+    try:
+        subprocess.run(command, cwd=SOURCE.parent, capture_output=True, check=True)
+        os.chmod(scratch, 0o755)
+        os.replace(scratch, library)
+    finally:
+        Path(scratch).unlink(missing_ok=True)
