@@ -6,14 +6,15 @@ import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
 from .fmu import Value, nearest
-from .signals import SignalLike
 
 if TYPE_CHECKING:
+    from .prepared import Prepared
     from .results import Result
+    from .signals import SignalLike
     from .system import System
 
 __all__ = ["ALGORITHMS", "Adaptive", "Component", "Connection", "Needs", "Scene"]
@@ -79,7 +80,7 @@ class Needs:
 class Scene:
     """A scene under construction; nothing is read or checked before `check`, `prepare` or `run`.
 
-    name: one word; summary: one line.
+    name: one word; description: one line.
     stop_time, start_time, step: in s; `step` is the macro step (the first one when adaptive).
     algorithm: gauss_seidel (default), jacobi or strang, see curvebound.cosim.algorithms.
     order: component names in the order in which gauss_seidel steps them (default: derived).
@@ -95,7 +96,7 @@ class Scene:
     def __init__(
         self,
         name: str,
-        summary: str = "",
+        description: str = "",
         *,
         stop_time: float,
         step: float,
@@ -110,7 +111,7 @@ class Scene:
         needs: Mapping[str, float] | Needs | None = None,
     ) -> None:
         self.name = name
-        self.summary = summary
+        self.description = description
         self.stop_time = stop_time
         self.step = step
         self.start_time = start_time
@@ -257,7 +258,7 @@ class Scene:
 
         return resolve(self)
 
-    def prepare(self) -> Any:
+    def prepare(self) -> Prepared:
         """FMUs loaded and instantiated, ready to run many times: see curvebound.cosim.prepared."""
         from .prepared import Prepared
 

@@ -1,0 +1,30 @@
+"""A pendulum hung from a mass on a parabola, in the full model, started high: chaotic.
+
+The slider starts far up and the bob nearly upright, so that the linear model is of no use, and
+neighbouring starts part within seconds: a hard case for every method, judged by its energy.
+"""
+
+from curvebound.cosim import Scene
+
+scene = Scene(
+    "pendulum_large",
+    "a pendulum on a parabola, full model, started high",
+    stop_time=10.0,
+    step=0.01,
+    needs={"plant.slider.u": 1e-3, "plant.pendulum.angle": 1e-3},
+)
+scene.add(
+    "plant",
+    "ParabolaPendulum",
+    {
+        "model.fidelity": "nonlinear",
+        "solver.method": "adaptive",
+        "solver.tolerance": 1e-9,
+        "slider.u_start": 1.5,
+        "pendulum.angle_start": 2.8,
+    },
+)
+scene.record("plant.slider.*", "plant.pendulum.*", "plant.energy.*", "plant.constraint.*")
+
+if __name__ == "__main__":
+    scene.main()

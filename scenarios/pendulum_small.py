@@ -1,0 +1,30 @@
+"""A pendulum hung from a mass on a parabola, in the linear model.
+
+The quadratic part of the Lagrangian about rest, whose two normal modes beat: the second of the two
+animations that this project began with. model.acceleration_error tells how far the linear model is
+from the full one at each moment; solver.method=exact makes the run free of integration error.
+"""
+
+from curvebound.cosim import Scene
+
+scene = Scene(
+    "pendulum_small",
+    "a pendulum on a parabola, linear model",
+    stop_time=10.0,
+    step=0.01,
+    needs={"plant.slider.u": 1e-6, "plant.pendulum.angle": 1e-6},
+)
+scene.add(
+    "plant",
+    "ParabolaPendulum",
+    {
+        "model.fidelity": "linear",
+        "solver.method": "rk4",
+        "slider.u_start": 0.5,
+        "pendulum.angle_start": 0.5,
+    },
+)
+scene.record("plant.slider.*", "plant.pendulum.*", "plant.energy.*", "plant.model.*")
+
+if __name__ == "__main__":
+    scene.main()

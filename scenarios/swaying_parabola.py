@@ -1,0 +1,44 @@
+"""The parabola is swayed sideways near the pendulum's slow mode, by a drive FMU coupled to it.
+
+The drive measures and acts at every communication point. It comes first: its outputs follow its
+inputs directly, so that the loop has no delay.
+"""
+
+from curvebound.cosim import Scene
+
+scene = Scene(
+    "swaying_parabola",
+    "a drive FMU sways the parabola under slider and pendulum",
+    stop_time=20.0,
+    step=0.01,
+    needs={"plant.slider.u": 1e-3, "plant.pendulum.angle": 1e-3},
+)
+scene.add(
+    "drive",
+    "ParabolaDrive",
+    {
+        "waveform.kind": "sine",
+        "waveform.axis": "x",
+        "waveform.amplitude": 0.5,
+        "waveform.frequency": 0.35,
+        "waveform.phase": 1.5707963267948966,
+    },
+)
+scene.add("plant", "ParabolaPendulum", {"slider.u_start": 0.0, "pendulum.angle_start": 0.0})
+scene.connect_matching("drive", "plant")
+scene.connect_matching("plant", "drive")
+scene.record(
+    "plant.slider.u",
+    "plant.pendulum.angle",
+    "plant.slider.x",
+    "plant.slider.y",
+    "plant.pendulum.x",
+    "plant.pendulum.y",
+    "plant.parabola.x",
+    "plant.parabola.coefficient",
+    "plant.energy.residual",
+    "drive.parabola.ax",
+)
+
+if __name__ == "__main__":
+    scene.main()

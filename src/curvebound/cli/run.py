@@ -1,0 +1,58 @@
+"""Run a scene: a Python file, one of ours by name, or an SSP file of FMI 2.0 FMUs.
+
+examples:
+  curvebound run swaying_parabola --stop 60 --out sway.csv
+  curvebound run scenarios/bead_on_wire.py --set bead.solver.method=adaptive --replay
+  curvebound run sampled_feedback --variants --replay compare.html
+  curvebound run system.ssp --step 0.001
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..cosim.command import configure as _configure
+
+NAME = "run"
+HELP = "run a scene or an SSP file"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("scene", metavar="SCENE", help="a .py or .ssp file, or a scene's name")
+    _configure(parser)
+    parser.add_argument(
+        "--replay",
+        metavar="FILE.html",
+        type=Path,
+        nargs="?",
+        const=Path(),
+        help="write an HTML page that replays the motion (default build/NAME.html)",
+    )
+    parser.add_argument("--picture", metavar="FILE.png", type=Path, help="draw the motion")
+    parser.add_argument("--gif", metavar="FILE.gif", type=Path, help="an animated picture")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run, print a table, and write what was asked for."""
+    from ..cosim import load_scene
+    from ..cosim.command import run_all, summarize
+
+    scene = load_scene(options.scene)
+    results = run_all(scene, options, summarize)
+    shown = [(label, result.data) for label, result in results]
+    if options.replay is not None:
+        from ..view.replay import write_replay
+
+        out = options.replay if options.replay.name else Path("build", f"{scene.name}.html")
+        print(write_replay(shown, out, title=scene.name))
+    if options.picture is not None:
+        from ..view import write_picture
+
+        print(write_picture(shown, options.picture))
+    if options.gif is not None:
+        from ..view import write_gif
+
+        print(write_gif(shown, options.gif))
+    return 0
