@@ -708,14 +708,23 @@ static char *read_text(const char *path)
     return content.text;
 }
 
-/* The attribute guid of modelDescription.xml, newly allocated, or NULL. */
+/* The FMU's guid: that of guid.txt beside this library, else of modelDescription.xml, which not every
+ * tool unpacks. Newly allocated; empty when there is neither. */
 static char *read_guid(void)
 {
     Text path = {0};
-    append(&path, "%s/../../modelDescription.xml", folder);
-    char *xml = read_text(text_of(&path)), *result = NULL;
+    append(&path, "%s/guid.txt", folder);
+    char *text = read_text(text_of(&path)), *result = NULL;
     free(path.text);
-    const char *at = xml ? strstr(xml, "<fmiModelDescription") : NULL;
+    if (text) {
+        text[strcspn(text, "\r\n")] = 0;
+        return text;
+    }
+    path = (Text){0};
+    append(&path, "%s/../../modelDescription.xml", folder);
+    text = read_text(text_of(&path));
+    free(path.text);
+    const char *at = text ? strstr(text, "<fmiModelDescription") : NULL;
     at = at ? at + strlen("<fmiModelDescription") : NULL;
     while (at && !result) {
         at += strspn(at, " \t\r\n");
@@ -726,8 +735,8 @@ static char *read_guid(void)
             result = strndup(quote + 1, (size_t)(end - quote - 1));
         at = end ? end + 1 : NULL;
     }
-    free(xml);
-    return result;
+    free(text);
+    return result ? result : strdup("");
 }
 
 /* Load what an instance needs; says why not. */
@@ -737,8 +746,7 @@ static bool load(Text *why)
     if (!guid && folder)
         guid = read_guid();
     if (!guid) {
-        append(why, "no guid could be read from %s/../../modelDescription.xml: unpack the whole FMU",
-               folder ? folder : "?");
+        append(why, "this library does not know where it is");
     } else if (!loaded && have_python(why)) {
         Text path = {0};
         append(&path, "%s/pythonfmu-export.so", folder);
@@ -1062,7 +1070,7 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String 
         append(&why, "fmuType = %d: this FMU supports co-simulation only (fmi2CoSimulation = 1)", type);
     } else if (!load(&why)) {
         /* said why */
-    } else if (!asked || strcmp(asked, guid) != 0) {
+    } else if (!asked || (*guid && strcmp(asked, guid) != 0)) {
         append(&why, "fmuGUID = %s is not that of this FMU, %s: read it from its modelDescription.xml",
                asked ? asked : "NULL", guid);
     } else if (!i->resources || !is_utf8(i->resources)) {

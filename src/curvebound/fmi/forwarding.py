@@ -66,7 +66,8 @@ def compile_forwarder() -> Path | None:
             compile_source(library)
     except (OSError, subprocess.CalledProcessError) as error:
         detail = getattr(error, "stderr", b"") or b""
-        _failure = f"compiling {SOURCE.name} failed: {detail.decode(errors='replace') or error}".strip()
+        text = detail.decode(errors="replace").strip() or str(error)
+        _failure = f"compiling {SOURCE.name} failed: {text}"
         return None
     return library
 
