@@ -11,6 +11,7 @@ from typing import Any
 from ..errors import CurveboundError
 from .adaptive import adaptive_steps
 from .algorithms import advance_of
+from .counters import Counters
 from .exchange import Exchange
 from .fmu import Value
 from .instance import CallFailed, Instance, Library, Log
@@ -21,19 +22,10 @@ from .scene import Scene
 from .schedule import Schedule
 from .system import resolve
 
-__all__ = ["Counters", "Prepared", "communication_points"]
+__all__ = ["Prepared", "communication_points"]
 
 Progress = Callable[[float], None]
 _BEAT = 0.1  # s of wall time between reports of progress
-
-
-class Counters:
-    """Work of a run; see Result."""
-
-    def __init__(self) -> None:
-        self.steps = 0
-        self.trials = 0
-        self.rejected = 0
 
 
 def communication_points(start: float, stop: float, step: float) -> tuple[int, float]:
@@ -129,8 +121,8 @@ class Prepared:
             next_beat = stepping + _BEAT
             every = self.scene.record_every
             kept = True
-            for reached in steps:
-                kept = every == 1 or counters.steps % every == 0
+            for point, reached in enumerate(steps, 1):
+                kept = every == 1 or point % every == 0
                 if kept:
                     recording.keep(reached)
                 if progress is not None and clock.perf_counter() > next_beat:
@@ -144,6 +136,8 @@ class Prepared:
             failure = (error.component, error.cause)
             raise self._failed(recording, counters, began, reached, *failure) from error
         except LoopFailed as error:
+            raise self._failed(recording, counters, began, reached, "", str(error)) from error
+        except FloatingPointError as error:
             raise self._failed(recording, counters, began, reached, "", str(error)) from error
         except KeyboardInterrupt as error:
             raise self._failed(recording, counters, began, reached, "", "interrupted") from error
@@ -237,7 +231,7 @@ class Prepared:
             trials=counters.trials,
             rejected=counters.rejected,
             units=units,
-            notes=[*self.system.notes, *self.log.warnings()],
+            notes=[*self.system.notes, *self.log.warnings(), *_forced(counters)],
             settings={
                 "algorithm": self.scene.algorithm,
                 "step": self.scene.step,
@@ -262,3 +256,12 @@ class Prepared:
         result.complete = False
         result.failure = message
         return RunFailed(message, result, component, time, cause)
+
+
+def _forced(counters: Counters) -> list[str]:
+    if not counters.forced:
+        return []
+    return [
+        f"{counters.forced} macro steps were at their lower bound with an error above the "
+        "tolerance, as across a jump of an input; lower adaptive.smallest if that is too coarse."
+    ]

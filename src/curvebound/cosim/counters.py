@@ -1,0 +1,18 @@
+"""The work of a run."""
+
+from __future__ import annotations
+
+__all__ = ["Counters"]
+
+
+class Counters:
+    """Macro steps of the solution, steps computed to find it, and those taken back.
+
+    forced: steps at their lower bound whose error was above the tolerance.
+    """
+
+    def __init__(self) -> None:
+        self.steps = 0
+        self.trials = 0
+        self.rejected = 0
+        self.forced = 0
