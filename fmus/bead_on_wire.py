@@ -99,4 +99,27 @@ FMU = Fmu(
         output("constraint.multiplier", "N/m", "multiplier lambda: constraint force = lambda p"),
         output("constraint.force", "N", "lambda times the radius, positive outward"),
     ),
+    reference_inputs={"wire.ax": (1.0, 0.5), "wire.ay": (2.0, 1.5)},
+    plotted=("bead.angle", "constraint.force", "energy.total", "energy.residual"),
+    documentation="""
+<h2>Equations</h2>
+<p>p is the position from the wire's centre, v its rate, m the mass, r the radius, d the damping,
+g gravity, f the external force, a the acceleration of the centre, &lambda; the multiplier.</p>
+<pre>
+m p'' = m (g &minus; a) + f &minus; d v + &lambda; p,      C = (p&middot;p &minus; r&sup2;)/2 = 0
+&lambda;    = &minus;( p&middot;(m (g &minus; a) + f &minus; d v) + m v&middot;v + m (D C' + S C) ) / (p&middot;p)
+</pre>
+<p><b>lagrange_multiplier</b> integrates p and v in this form. The constraint then holds on
+acceleration level only and drifts, unless it is stabilised: <b>baumgarte</b> feeds the drift back
+(D = constraint.damping, S = constraint.stiffness, both zero otherwise), <b>projection</b> moves p
+and v back onto the wire after each internal step. <b>angle</b> integrates the angle &theta;
+instead, p = r (sin &theta;, &minus;cos &theta;), and cannot drift:</p>
+<pre>m r &theta;'' = (m (g &minus; a) + f)&middot;(cos &theta;, sin &theta;) &minus; d r &theta;'</pre>
+<h2>How to couple it</h2>
+<p>Positions, velocities and energies do not depend on the inputs of the same instant; wire.fx,
+wire.fy, constraint.multiplier and constraint.force do (direct feedthrough, declared in
+ModelStructure). Drive the wire by accelerations: the FMU integrates the motion of the centre
+itself, exactly. energy.residual is zero for the exact solution: watch it to see the integration
+error while running.</p>
+""",
 )

@@ -102,4 +102,33 @@ FMU = Fmu(
             "linear fidelity: relative difference between linear and nonlinear accelerations",
         ),
     ),
+    reference_inputs={"parabola.ax": (1.0, 0.3), "parabola.ay": (1.0, 0.7)},
+    plotted=("slider.u", "pendulum.angle", "constraint.normal_force", "energy.residual"),
+    documentation="""
+<h2>Equations</h2>
+<p>Slider (mass m1) at (u, a u&sup2;) from the vertex, bob (m2) at slider + r (sin &theta;,
+&minus;cos &theta;). With q = 2 a u, M = m1 + m2 and g the downward gravity the kinetic and
+potential energies of the parabola at rest are</p>
+<pre>
+T = &frac12; M (1 + q&sup2;) u'&sup2; + &frac12; m2 r&sup2; &theta;'&sup2; + m2 r u' &theta;' (cos &theta; + q sin &theta;)
+V = M g a u&sup2; &minus; m2 g r cos &theta;
+</pre>
+<p><b>nonlinear</b> keeps all of it. With the vertex accelerations X, Y, w = cos &theta; + q sin &theta;,
+k = sin &theta; &minus; q cos &theta; and G = g + Y + 2 a u'&sup2; + a'' u&sup2; + 4 a' u u' the equations of
+motion are solved without cancellation at any mass ratio:</p>
+<pre>
+D   = m1 (1 + q&sup2;) + m2 k&sup2;
+u'' = (&minus;m1 (X + q G) + m2 k (G cos &theta; &minus; X sin &theta; + r &theta;'&sup2;) + Q<sub>u</sub> &minus; w Q<sub>&theta;</sub>/r) / D
+&theta;'' = (&minus;k (M (G &minus; q X) + w m2 r &theta;'&sup2;) + M (1 + q&sup2;) Q<sub>&theta;</sub>/(m2 r) &minus; w Q<sub>u</sub>) / (r D)
+</pre>
+<p><b>linear</b> keeps the quadratic part about u = &theta; = 0 and draws the masses at their exact
+positions. model.acceleration_error tells while running when that stops being enough. With constant
+coefficient the method <b>exact</b> solves it at any communication step.</p>
+<h2>How to couple it</h2>
+<p>Connect ParabolaDrive: its outputs parabola.ax, parabola.ay and parabola.coefficient_acceleration
+to the inputs of the same name, and slider.u, slider.u_rate, pendulum.angle,
+pendulum.angular_velocity, parabola.x, parabola.vx back. None of these outputs depends on an input
+of the same instant, so the loop has no algebraic part; the forces and model.acceleration_error do
+(declared in ModelStructure).</p>
+""",
 )

@@ -6,7 +6,7 @@ import os
 import sys
 from pathlib import Path
 
-__all__ = ["cache_directory", "fmus_directory", "scenarios_directory"]
+__all__ = ["cache_directory", "fmus_directory", "license_text", "scenarios_directory"]
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -25,6 +25,13 @@ def fmus_directory() -> Path:
 def scenarios_directory() -> Path:
     """Folder of the scenes that come with the package, one Python script each."""
     return _data("scenarios")
+
+
+def license_text() -> str:
+    """The licence of this package."""
+    packed = _PACKAGE / "_LICENSE"
+    path = packed if packed.is_file() else _PACKAGE.parents[1] / "LICENSE"
+    return path.read_text(encoding="utf-8")
 
 
 def cache_directory() -> Path:

@@ -55,9 +55,7 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     root.add_argument("--version", action="version", version=f"curvebound {__version__}")
-    root.add_argument(
-        "--debug", action="store_true", help="show the traceback of an error as well"
-    )
+    root.add_argument("--debug", action="store_true", help="show the traceback of an error as well")
     shtab.add_argument_to(root, "--print-completion", help="print a completion script for a shell")
     commands = root.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name in _COMMANDS:
@@ -108,5 +106,7 @@ def _report(message: str, debug: bool, status: int) -> int:
     if debug:
         traceback.print_exc()
     console = Console(stderr=True, highlight=False)
-    console.print(Text.assemble(("error: ", "bold red"), message), soft_wrap=not console.is_terminal)
+    console.print(
+        Text.assemble(("error: ", "bold red"), message), soft_wrap=not console.is_terminal
+    )
     return status

@@ -20,6 +20,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, default=Path("build"), metavar="DIR", help="folder (default: build/)"
     )
     parser.add_argument(
+        "--cross-check",
+        type=Path,
+        metavar="DIR",
+        help="write the layout of the FMI Cross-Check to DIR/NAME instead",
+    )
+    parser.add_argument(
         "--no-compile",
         action="store_true",
         help="leave out the compiled kernel: smaller, runs interpreted everywhere",
@@ -31,5 +37,11 @@ def run(options: argparse.Namespace) -> int:
     from ..fmi.build import build, names
 
     for name in options.name or names():
+        if options.cross_check is not None:
+            from ..fmi.cross_check import write_cross_check
+
+            folder = write_cross_check(name, options.cross_check, compiled=not options.no_compile)
+            print(f"{folder}: FMU, reference result, bounds", flush=True)
+            continue
         print(build(name, options.out, compiled=not options.no_compile).message, flush=True)
     return 0

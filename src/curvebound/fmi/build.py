@@ -1,4 +1,4 @@
-"""Building an FMU: PythonFMU packs it, then its parts are isolated and the bytes made repeatable."""
+"""Building an FMU: PythonFMU packs it, then its parts are isolated, its bytes made repeatable."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from . import compile as kernel
 from . import forwarding
 from .declaration import Fmu
 from .description import timestamp
+from .documentation import documentation_files
 from .runtime import Runtime, runtime
 
 __all__ = ["BuiltFmu", "build", "load_declaration", "names"]
@@ -81,13 +82,15 @@ def _source(name: str) -> Path:
 def load_declaration(name: str) -> Fmu:
     """The declaration in fmus/ of the FMU called `name`."""
     spec = importlib.util.spec_from_file_location(f"curvebound_fmus_{_snake(name)}", _source(name))
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     fmu: Fmu = module.FMU
     if fmu.name != name:
         raise CurveboundError(
-            f"{_source(name).name} declares an FMU {fmu.name!r}: call it {name!r} or rename the file"
+            f"{_source(name).name} declares an FMU {fmu.name!r}: call it {name!r}, or rename"
+            " the file"
         )
     return fmu
 
@@ -123,11 +126,14 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
             guid=guid,
             forwarded=("linux",) if forwarder else (),
         ).encode(),
-        f"{declaration}.py": re.sub(rb"(?m)^from curvebound\.", f"from {package}.".encode(), source),
+        f"{declaration}.py": re.sub(
+            rb"(?m)^from curvebound\.", f"from {package}.".encode(), source
+        ),
     }
     files = _pack(name, f"{name}_{suffix}", texts, sources, package)
     files.update({f"resources/{path}": content for path, content in extensions.items()})
     _isolate(files, package)
+    files.update(documentation_files(load_declaration(name), fmus_directory(), _snake(name)))
     if forwarder:
         binary = f"binaries/linux64/{name}.so"
         files["binaries/linux64/pythonfmu-export.so"] = files[binary]

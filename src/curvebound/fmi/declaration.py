@@ -115,8 +115,8 @@ class Fmu(NamedTuple):
     """An FMU: its variables and the system of the kernel that gives them their meaning.
 
     `system` makes the engines of its instances: Plant(...) or Controller(...) of engine.py.
-    `stop_time` and `step_size` (s) are those of DefaultExperiment. It states no tolerance: importers
-    would pass it to fmi2SetupExperiment, where it overrides the parameter solver.tolerance.
+    `stop_time` and `step_size` (s) are those of DefaultExperiment. It states no tolerance:
+    importers would pass it to fmi2SetupExperiment, where it overrides solver.tolerance.
     """
 
     name: str
@@ -125,6 +125,12 @@ class Fmu(NamedTuple):
     variables: tuple[Variable, ...]
     stop_time: float = 10.0
     step_size: float = 0.01
+    #: HTML: equations, how to couple it, what accuracy costs
+    documentation: str = ""
+    #: the reference experiment: start values, inputs as sines (amplitude, Hz), outputs to plot
+    reference_start: dict[str, float | str] = {}
+    reference_inputs: dict[str, tuple[float, float]] = {}
+    plotted: tuple[str, ...] = ()
 
     def ordered(self) -> list[Variable]:
         """The variables in the order of their value references."""

@@ -160,7 +160,7 @@ def _scalar_variable(vr: int, variable: Variable) -> Element:
 
 
 def _structure(root: Element, variables: list[Variable], engine: Engine) -> None:
-    """Outputs, each with the inputs on which it depends within the same instant; initial unknowns."""
+    """Outputs, with the inputs on which they depend in the same instant; initial unknowns."""
     structure = SubElement(root, "ModelStructure")
     outputs = SubElement(structure, "Outputs")
     unknowns = SubElement(structure, "InitialUnknowns")

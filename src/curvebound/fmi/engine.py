@@ -25,9 +25,9 @@ from ..models.base import Law, Model
 __all__ = [
     "ERROR",
     "WARNING",
+    "Controller",
     "ControllerEngine",
     "Engine",
-    "Controller",
     "Message",
     "Plant",
     "PlantEngine",
@@ -159,13 +159,15 @@ class Engine:
         #: whether tunable parameters are among what waits
         self.retuned: bool = False
         #: group of each output by value reference, NO_GROUP for what needs no computation
-        self.groups: list[int] = [NO_GROUP if table.is_real(vr) else NOT_REAL for vr in range(table.size)]
+        self.groups: list[int] = [
+            NO_GROUP if table.is_real(vr) else NOT_REAL for vr in range(table.size)
+        ]
         #: the outputs of each group, and whether they are up to date
         self.members: list[list[int]] = []
         self.fresh: list[bool] = []
         self.feedthrough: list[int] = []
 
-    # -- messages ------------------------------------------------------------------------------------
+    # -- messages ----------------------------------------------------------------------------------
     def say(self, status: int, text: str) -> None:
         """Queue a log message."""
         category = "logStatusError" if status == ERROR else "logStatusWarning"
@@ -184,7 +186,7 @@ class Engine:
         unit = table.units[vr]
         return table.names[vr] + " = " + repr(self.reals[vr]) + ("" if unit == "1" else " " + unit)
 
-    # -- what subclasses know ------------------------------------------------------------------------
+    # -- what subclasses know ----------------------------------------------------------------------
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
         """Start the system from its parameters; returns a message where that is impossible."""
         raise NotImplementedError
@@ -223,13 +225,17 @@ class Engine:
             for vr in range(table.size)
         ]
 
-    # -- life cycle ------------------------------------------------------------------------------------
-    def setup_experiment(self, start_time: float, tolerance_defined: bool, tolerance: float) -> bool:
+    # -- life cycle --------------------------------------------------------------------------------
+    def setup_experiment(
+        self, start_time: float, tolerance_defined: bool, tolerance: float
+    ) -> bool:
         """Take start time and tolerance."""
         if self.mode != INSTANTIATED:
             return self.out_of_order("fmi2SetupExperiment", "before initialization")
         if not math.isfinite(start_time):
-            return self.fail(f"startTime = {start_time!r} s is not finite: give a finite start time")
+            return self.fail(
+                f"startTime = {start_time!r} s is not finite: give a finite start time"
+            )
         self.time = start_time
         self.tolerance_defined = tolerance_defined
         self.tolerance = tolerance
@@ -273,7 +279,7 @@ class Engine:
         return True
 
     def start(self) -> str:
-        """Check every parameter and start the system; returns a message where something is wrong."""
+        """Check every parameter and start the system; returns a message if something is wrong."""
         table = self.table
         reals: dict[str, float] = {}
         choices: dict[str, int] = {}
@@ -349,7 +355,7 @@ class Engine:
                         return message
         return ""
 
-    # -- values --------------------------------------------------------------------------------------
+    # -- values ------------------------------------------------------------------------------------
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values of Real variables; outputs are computed when first read after a change."""
         reals = self.reals
@@ -401,7 +407,9 @@ class Engine:
         table = self.table
         declared = table.names[table.first_output : table.first_count]
         if declared != list(outputs):
-            raise ValueError(f"the outputs are declared as {declared}, but computed as {list(outputs)}")
+            raise ValueError(
+                f"the outputs are declared as {declared}, but computed as {list(outputs)}"
+            )
         last = 0
         for group in outputs.values():
             last = max(last, group)
@@ -485,7 +493,7 @@ class Engine:
         for g in range(len(self.fresh)):
             self.fresh[g] = False
 
-    # -- stepping --------------------------------------------------------------------------------------
+    # -- stepping ----------------------------------------------------------------------------------
     def do_step(self, current_time: float, step_size: float) -> bool:
         """One communication step; False and one error message where it fails."""
         if self.mode != STEPPING:
@@ -500,8 +508,8 @@ class Engine:
             abs(current_time - now) <= 1e-6 * step_size + 16.0 * EPSILON * abs(now)
         ):
             return self.fail(
-                f"currentCommunicationPoint = {current_time!r} s is not the present time {now!r} s: "
-                "continue from there, or restore a state that was saved at the wanted time"
+                f"currentCommunicationPoint = {current_time!r} s is not the present time "
+                f"{now!r} s: continue from there, or restore a state saved at the wanted time"
             )
         end = current_time + step_size
         if end <= current_time:
@@ -524,9 +532,9 @@ class Engine:
             fresh[g] = False
         return True
 
-    # -- saved states ----------------------------------------------------------------------------------
+    # -- saved states ------------------------------------------------------------------------------
     def get_state(self) -> list[list[float]]:
-        """All that changes, as lists of finite floats; the first list is mode, time and tolerance."""
+        """All that changes, as lists of floats; the first holds mode, time and tolerance."""
         table = self.table
         head = [
             float(self.mode),
@@ -602,7 +610,9 @@ class PlantEngine(Engine):
         self.relative = reals["solver.tolerance"]
         self.max_steps = choices["solver.max_steps"]
         self.grouped(model.OUTPUTS, model.FEEDTHROUGH)
-        return "" if self.finite() else "the initial state is not finite: choose smaller start values"
+        return (
+            "" if self.finite() else "the initial state is not finite: choose smaller start values"
+        )
 
     def take_inputs(self) -> None:
         self.model.set_inputs(self.reals, self.table.first_input)
@@ -676,8 +686,8 @@ class PlantEngine(Engine):
             )
         if failure == NOT_CONVERGED:
             return (
-                f"solver.method = implicit: the Newton iteration does not converge{where}, even with "
-                f"an internal step of {reached!r} s: reduce solver.step"
+                f"solver.method = implicit: the Newton iteration does not converge{where}, "
+                f"even with an internal step of {reached!r} s: reduce solver.step"
             )
         m = self.model
         return (

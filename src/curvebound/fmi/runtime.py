@@ -67,8 +67,8 @@ def runtime() -> Runtime:
 def _init(compiled: tuple[str, ...]) -> str:
     """The package's __init__ inside an FMU.
 
-    It imports everything at once: a second FMU of the same sources uses the first one's modules, and
-    must not need a file of it after its folder has been deleted.
+    It imports everything at once: a second FMU of the same sources uses the first one's modules,
+    and must not need a file of it after its folder has been deleted.
     """
     modules = [name[:-3].replace("/", ".") for name in compiled]
     lines = [f"from .{module} import __name__ as _" for module in modules]

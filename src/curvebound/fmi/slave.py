@@ -85,7 +85,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         if resources and sys.path.count(resources) > 1:
             sys.path.remove(resources)
 
-    # -- called by the wrapper -------------------------------------------------------------------------
+    # -- called by the wrapper ---------------------------------------------------------------------
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Replaced by the engine's method in each instance."""
         return self.engine.do_step(current_time, step_size)
@@ -146,7 +146,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
     def _get_log_queue(self) -> list[Message]:
         return self.engine.queue
 
-    # -- saved states ----------------------------------------------------------------------------------
+    # -- saved states ------------------------------------------------------------------------------
     def _get_fmu_state(self) -> dict[str, Any]:
         return {"guid": self.guid_text, "state": self.engine.get_state()}
 
@@ -177,7 +177,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         state: dict[str, Any] = json.loads(text)
         return state
 
-    # -- called by PythonFMU's builder -----------------------------------------------------------------
+    # -- called by PythonFMU's builder -------------------------------------------------------------
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """modelDescription.xml; needs the package curvebound, hence only where FMUs are built."""
         from curvebound.fmi.description import describe

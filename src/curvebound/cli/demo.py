@@ -1,0 +1,96 @@
+"""Build the FMUs, run every scene, write their results and print one table.
+
+example:
+  curvebound demo --out build
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..cosim import Result
+
+NAME = "demo"
+HELP = "build the FMUs, run every scene, show what comes out"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument(
+        "--out", type=Path, default=Path("build"), metavar="DIR", help="folder (default: build/)"
+    )
+    parser.add_argument("--no-compile", action="store_true", help="run the kernel interpreted")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Build, run, print; exit status 1 when a scene failed, after all others have run."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.table import Table
+
+    from ..cosim import RunFailed, load_scene, scene_names
+    from ..fmi.build import build, names
+
+    console = Console(highlight=False)
+    out: Path = options.out
+    with console.status("building the FMUs (compiling takes half a minute the first time)"):
+        for name in names():
+            console.print(build(name, out, compiled=not options.no_compile).message, soft_wrap=True)
+    table = Table(box=None, pad_edge=False, title="\nscenes", title_justify="left")
+    table.add_column("scene")
+    for heading in ("simulated", "wall", "steps", "|residual|", "|drift|"):
+        table.add_column(heading, justify="right")
+    failures: list[str] = []
+    results: list[tuple[str, Result]] = []
+    with Progress(
+        TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(),
+        console=console, transient=True, disable=not console.is_terminal,
+    ) as progress:  # fmt: skip
+        scenes = scene_names()
+        task = progress.add_task("scenes", total=len(scenes))
+        for name in scenes:
+            progress.update(task, description=name)
+            scene = load_scene(name)
+            scene.record(*_MEASURES)
+            try:
+                result = scene.run()
+            except RunFailed as error:
+                result = error.result
+                failures.append(str(error))
+            result.write(out / f"{name}.csv")
+            results.append((name, result))
+            table.add_row(
+                name,
+                f"{result.time[-1] - result.time[0]:g} s" if len(result.data) else "-",
+                f"{result.wall:.2f} s",
+                f"{_last(result, '.solver.steps'):d}",
+                _largest(result, ".energy.residual", "J"),
+                _largest(result, ".constraint.drift", "m"),
+            )
+            progress.advance(task)
+    console.print(table)
+    console.print(f"results: {out}/*.csv")
+    for failure in failures:
+        console.print(f"[bold red]failed:[/] {failure}")
+    return 1 if failures else 0
+
+
+#: recorded besides what a scene asks for
+_MEASURES = ("*.solver.steps", "*.energy.residual", "*.constraint.drift")
+
+
+def _columns(result: Result, ending: str) -> list[str]:
+    return [name for name in result.names if name.endswith(ending)]
+
+
+def _last(result: Result, ending: str) -> int:
+    """Internal steps of all plants together."""
+    return sum(int(result[name][-1]) for name in _columns(result, ending) if len(result.data))
+
+
+def _largest(result: Result, ending: str, unit: str) -> str:
+    values = [abs(result[name]).max() for name in _columns(result, ending) if len(result.data)]
+    return f"{max(values):.1e} {unit}" if values else ""

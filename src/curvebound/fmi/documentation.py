@@ -1,0 +1,170 @@
+"""The documentation that an FMU carries: documentation/index.html, licences, reference result."""
+
+from __future__ import annotations
+
+from html import escape
+from importlib.metadata import distribution
+from pathlib import Path
+
+from .. import __version__
+from ..places import license_text
+from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
+from .reference import ReferenceResult, reference_result
+
+__all__ = ["csv_text", "documentation_files"]
+
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
+       color: #1a1a1a; background: #fff; }
+h1, h2 { line-height: 1.2; }
+pre { background: #f4f4f2; padding: .8rem; overflow-x: auto; }
+table { border-collapse: collapse; font-size: 14px; }
+th, td { text-align: left; padding: .15rem .8rem .15rem 0; border-bottom: 1px solid #ddd; }
+td.n { text-align: right; }
+svg { max-width: 100%; height: auto; }
+@media (prefers-color-scheme: dark) {
+  body { background: #161616; color: #e8e8e8; } pre { background: #242424; }
+  th, td { border-color: #444; } svg text { fill: #e8e8e8; }
+}
+"""
+
+#: colours that the colour-blind can tell apart (Okabe and Ito 2008)
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
+
+
+def documentation_files(fmu: Fmu, folder: Path, stem: str) -> dict[str, bytes]:
+    """Path in the FMU -> content; `folder` holds the declaration and its icon STEM.png, if any."""
+    result = reference_result(fmu)
+    files = {
+        "documentation/index.html": _page(fmu, result).encode(),
+        "documentation/reference.csv": csv_text(result.outputs).encode(),
+        "documentation/licenses/license.txt": _licences().encode(),
+    }
+    if len(result.inputs) > 1:
+        files["documentation/reference_inputs.csv"] = csv_text(result.inputs).encode()
+    icon = folder / f"{stem}.png"
+    if icon.is_file():
+        files["model.png"] = icon.read_bytes()
+    return files
+
+
+def csv_text(columns: dict[str, list[float]]) -> str:
+    """Comma-separated columns under a line of their names; floats keep every digit."""
+    rows = zip(*columns.values(), strict=True)
+    lines = [",".join(f'"{name}"' for name in columns)]
+    lines += [",".join(repr(x) for x in row) for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _licences() -> str:
+    parts = [
+        "curvebound, which this FMU was built with and whose code it carries:\n",
+        license_text(),
+    ]
+    wrapper = distribution("pythonfmu")
+    for file in wrapper.files or ():
+        if file.name == "LICENSE":
+            parts += ["\nPythonFMU, whose wrapper it carries:\n", file.read_text()]
+    return "\n".join(parts)
+
+
+def _page(fmu: Fmu, result: ReferenceResult) -> str:
+    name = escape(fmu.name)
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width">
+<title>{name}</title>
+<style>{_STYLE}</style>
+</head>
+<body>
+<h1>{name}</h1>
+<p>{escape(fmu.description)}. FMI 2.0 for co-simulation, curvebound {__version__}, MIT licence
+(<a href="licenses/license.txt">text</a>).</p>
+{fmu.documentation.strip()}
+<h2>Parameters</h2>
+{_variables(fmu, (PARAMETER, CHOICE, COUNT_PARAMETER))}
+<h2>Inputs</h2>
+<p>Held constant over a communication step.</p>
+{_variables(fmu, (INPUT,))}
+<h2>Outputs</h2>
+{_variables(fmu, (OUTPUT, COUNT))}
+<h2>Reference result</h2>
+<p>{_experiment(fmu)} The samples are in <a href="reference.csv">reference.csv</a>.</p>
+{_plot(fmu, result)}
+</body>
+</html>
+"""
+
+
+def _experiment(fmu: Fmu) -> str:
+    text = f"{fmu.stop_time:g} s in communication steps of {fmu.step_size:g} s"
+    if fmu.reference_start:
+        text += " from " + ", ".join(f"{k} = {v}" for k, v in fmu.reference_start.items())
+    if fmu.reference_inputs:
+        waves = ", ".join(
+            f"{name} = {amplitude:g} sin(2&pi; {frequency:g} t)"
+            for name, (amplitude, frequency) in fmu.reference_inputs.items()
+        )
+        text += f', with {waves} (<a href="reference_inputs.csv">reference_inputs.csv</a>)'
+    return text + ", integrated to a relative tolerance of 1e-13."
+
+
+def _variables(fmu: Fmu, kinds: tuple[str, ...]) -> str:
+    rows = [v for v in fmu.ordered() if v.kind in kinds]
+    if not rows:
+        return "<p>None.</p>"
+    with_start = INPUT not in kinds and OUTPUT not in kinds
+    head = "<tr><th>name<th>unit" + ("<th>start" if with_start else "") + "<th>meaning</tr>"
+    return f"<table>{head}{''.join(_row(v, with_start) for v in rows)}</table>"
+
+
+def _row(variable: Variable, with_start: bool) -> str:
+    meaning = escape(variable.description)
+    start = f"{variable.start:g}"
+    if variable.type:
+        items = variable.type.items
+        start = items[int(variable.start) - 1][0]
+        meaning += ": " + "; ".join(
+            f"{i} <b>{escape(item)}</b>, {escape(text)}" for i, (item, text) in enumerate(items, 1)
+        )
+    if variable.tunable:
+        meaning += " (tunable)"
+    cell = f'<td class="n">{escape(start)}' if with_start else ""
+    return f"<tr><td>{escape(variable.name)}<td>{escape(variable.unit)}{cell}<td>{meaning}</tr>"
+
+
+def _plot(fmu: Fmu, result: ReferenceResult) -> str:
+    """The outputs named in the declaration, one panel each, as SVG."""
+    width, height, left, gap = 720, 130, 90, 34
+    panels = []
+    end = result.time[-1]
+    for number, name in enumerate(fmu.plotted):
+        values = result.outputs[name]
+        low, high = min(values), max(values)
+        span = (high - low) or 1.0
+        top = number * (height + gap) + 20
+        points = " ".join(
+            f"{left + (width - left) * t / end:.1f},{top + height * (high - x) / span:.1f}"
+            for t, x in zip(result.time, values, strict=True)
+        )
+        unit = next(v.unit for v in fmu.variables if v.name == name)
+        colour = _COLOURS[number % len(_COLOURS)]
+        panels.append(
+            f'<text x="{left}" y="{top - 6}">{escape(name)} / {escape(unit)}</text>'
+            f'<text x="{left - 8}" y="{top + 10}" text-anchor="end">{high:.3g}</text>'
+            f'<text x="{left - 8}" y="{top + height}" text-anchor="end">{low:.3g}</text>'
+            f'<rect x="{left}" y="{top}" width="{width - left}" height="{height}" fill="none" '
+            f'stroke="#999"/><polyline points="{points}" fill="none" stroke="{colour}" '
+            'stroke-width="1.5"/>'
+        )
+    total = len(fmu.plotted) * (height + gap) + 26
+    axis = (
+        f'<text x="{left}" y="{total - 6}">0</text>'
+        f'<text x="{width}" y="{total - 6}" text-anchor="end">{end:g} s</text>'
+    )
+    return (
+        f'<svg viewBox="0 0 {width + 4} {total}" width="{width}" role="img" font-size="12" '
+        f'font-family="sans-serif" aria-label="reference result">{"".join(panels)}{axis}</svg>'
+    )
