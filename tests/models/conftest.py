@@ -70,7 +70,7 @@ class Mechanics:
         ]
         equations = [sp.expand(e.doit()) for e in equations]
         mass = sp.Matrix([[e.coeff(a) for a in second] for e in equations])
-        rest = sp.Matrix([-e.subs({a: 0 for a in second}) for e in equations])
+        rest = sp.Matrix([-e.subs(dict.fromkeys(second, 0)) for e in equations])
         names: list[Any] = []
         swap: list[tuple[Any, Any]] = []
         for order in (2, 1, 0):
@@ -169,9 +169,7 @@ def parabola_parts() -> tuple[Any, ...]:
 @pytest.fixture(scope="session")
 def parabola_mechanics() -> Mechanics:
     t, parameters, q, prescribed, kinetic, potential, forces = parabola_parts()
-    return Mechanics(
-        kinetic - potential, kinetic + potential, forces, q, prescribed, parameters, t
-    )
+    return Mechanics(kinetic - potential, kinetic + potential, forces, q, prescribed, parameters, t)
 
 
 @pytest.fixture(scope="session")
@@ -190,7 +188,6 @@ def linear_mechanics() -> Mechanics:
     lagrangian = sum(order(kinetic - potential, n) for n in range(3))
     linear_forces = [order(f, 0) + order(f, 1) for f in forces]
     # Relative to the frame: frame and shape at rest, quadratic and linear terms
-    _, _, _, _, _, gx, gy, *_ = parameters
     still = {f.diff(t): 0 for f in prescribed} | {prescribed[0]: 0, prescribed[1]: 0}
     kinetic_still = order(kinetic.subs(still), 2)
     potential_still = order(potential.subs({prescribed[0]: 0, prescribed[1]: 0}), 1) + order(

@@ -8,6 +8,7 @@ from typing import Any
 
 import mpmath
 import pytest
+
 from curvebound.models.parabola_pendulum import ParabolaNonlinear, parabola_pendulum
 
 NONLINEAR = {"model.fidelity": 2}
@@ -30,9 +31,7 @@ def case(rng: random.Random, terms: tuple[str, ...], **fixed: float) -> tuple[An
     def pick(on: bool = True, size: float = 3.0) -> float:
         return rng.uniform(-size, size) if on else 0.0
 
-    vertex, shape, forces, damping = (
-        n in terms for n in ("vertex", "shape", "forces", "damping")
-    )
+    vertex, shape, forces, damping = (n in terms for n in ("vertex", "shape", "forces", "damping"))
     parameters = {
         "gravity.x": pick(),
         "gravity.y": -9.81 + pick(),

@@ -32,7 +32,7 @@ TIME_SLACK: Final = 1e-14
 START_SLACK: Final = 1e-12
 #: 2^53: from here on every float is whole
 WHOLE: Final = 9007199254740992.0
-#: 2^-600: with it a product of any gain and measurement that matter fits a float
+#: 2^-600: a gain and a measurement with this factor each have a product that fits a float
 SMALL: Final = 2.409919865102884e-181
 
 _OUTPUTS: Final[dict[str, int]] = {
@@ -187,36 +187,37 @@ class ParabolaDrive(Law):
         return self.amplitude * math.sin(6.283185307179586 * cycles + self.phase)
 
     def feedback(self, scale: float) -> float:
-        """-K (measurement - reference), the measurements multiplied by `scale`."""
+        """-K (measurement - reference), gains and measurements multiplied by `scale` each."""
         return -(
-            self.k_u * (scale * self.u)
-            + self.k_u_rate * (scale * self.u_rate)
-            + self.k_angle * (scale * self.angle - scale * self.angle_reference)
-            + self.k_rate * (scale * self.rate)
-            + self.k_x * (scale * self.x - scale * self.x_reference)
-            + self.k_vx * (scale * self.vx)
+            (scale * self.k_u) * (scale * self.u)
+            + (scale * self.k_u_rate) * (scale * self.u_rate)
+            + (scale * self.k_angle) * (scale * self.angle - scale * self.angle_reference)
+            + (scale * self.k_rate) * (scale * self.rate)
+            + (scale * self.k_x) * (scale * self.x - scale * self.x_reference)
+            + (scale * self.k_vx) * (scale * self.vx)
         )
 
-    def law(self, time: float) -> tuple[float, float, float]:
-        """Accelerations of vertex (m/s2) and coefficient (1/(m s2)) from the present inputs."""
+    def controlled(self, time: float) -> float:
+        """parabola.ax (m/s2) from the present inputs."""
         ax = self.feedback(1.0)
         if ax - ax != 0.0:
-            ax = self.feedback(SMALL) / SMALL
-        ay = 0.0
-        coefficient = 0.0
-        wave = self.waveform(time)
+            ax = self.feedback(SMALL) / SMALL / SMALL
         if self.axis == X:
-            ax += wave
-        elif self.axis == Y:
-            ay = wave
-        else:
-            coefficient = wave
+            ax += self.waveform(time)
         limit = self.limit
         if ax > limit:
-            ax = limit
-        elif ax < -limit:
-            ax = -limit
-        return ax, ay, coefficient
+            return limit
+        if ax < -limit:
+            return -limit
+        return ax
+
+    def prescribed(self, time: float) -> tuple[float, float]:
+        """parabola.ay (m/s2) and parabola.coefficient_acceleration (1/(m s2))."""
+        if self.axis == Y:
+            return self.waveform(time), 0.0
+        if self.axis == COEFFICIENT:
+            return 0.0, self.waveform(time)
+        return 0.0, 0.0
 
     def sample_time(self) -> float:
         """The time (s) for which the present outputs are computed, NaN where they are held."""
@@ -242,7 +243,8 @@ class ParabolaDrive(Law):
             if sample <= time + slack:
                 sample = self.sample_time()
             if sample == sample:
-                self.ax, self.ay, self.coefficient = self.law(sample)
+                self.ax = self.controlled(sample)
+                self.ay, self.coefficient = self.prescribed(sample)
         self.time = time + duration
         self.at_start = False
 
@@ -276,11 +278,13 @@ class ParabolaDrive(Law):
 
     # -- observation -----------------------------------------------------------------------------
     def observe(self, group: int, values: list[float], first: int) -> None:
-        """Write the outputs to values[first:first + 3], whatever the group: it takes no longer."""
+        """Write the outputs of one group to values[first + position in OUTPUTS]."""
         sample = self.sample_time()
-        if sample == sample:
-            values[first], values[first + 1], values[first + 2] = self.law(sample)
-        else:
-            values[first] = self.ax
+        held = sample != sample
+        if group == 0:
+            values[first] = self.ax if held else self.controlled(sample)
+        elif held:
             values[first + 1] = self.ay
             values[first + 2] = self.coefficient
+        else:
+            values[first + 1], values[first + 2] = self.prescribed(sample)

@@ -1,0 +1,323 @@
+"""The drive: feedback, waveforms, limit, sampling."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mpmath
+import pytest
+
+from curvebound.models.parabola_drive import ParabolaDrive
+
+DEFAULTS = {
+    "feedback.slider_u": 0.0,
+    "feedback.slider_u_rate": 0.0,
+    "feedback.pendulum_angle": 0.0,
+    "feedback.pendulum_angular_velocity": 0.0,
+    "feedback.parabola_x": 0.0,
+    "feedback.parabola_vx": 0.0,
+    "reference.pendulum_angle": 0.0,
+    "reference.parabola_x": 0.0,
+    "waveform.amplitude": 1.0,
+    "waveform.frequency": 1.0,
+    "waveform.phase": 0.0,
+    "waveform.start_time": 0.0,
+    "waveform.end_frequency": 10.0,
+    "waveform.duration": 10.0,
+    "limit.acceleration": 1e6,
+    "sample.period": 0.0,
+}
+NONE, SINE, CHIRP, STEP = 1, 2, 3, 4
+
+
+def drive(kind: int = NONE, axis: int = 1, time: float = 0.0, **changed: float) -> ParabolaDrive:
+    law = ParabolaDrive()
+    names = {k.replace(".", "_"): k for k in DEFAULTS}
+    parameters = {**DEFAULTS, **{names[k]: v for k, v in changed.items()}}
+    law.start(parameters, {"waveform.kind": kind, "waveform.axis": axis}, time)
+    return law
+
+
+def read(law: ParabolaDrive) -> tuple[float, float, float]:
+    values = [math.nan] * 5
+    law.observe(0, values, 1)
+    assert all(map(math.isnan, values[2:]))
+    law.observe(1, values, 1)
+    assert math.isnan(values[0])
+    assert math.isnan(values[4])
+    return values[1], values[2], values[3]
+
+
+def measure(law: ParabolaDrive, u: float) -> None:
+    """Measured slider.u, the rest zero."""
+    law.set_inputs([99.0, u, 0.0, 0.0, 0.0, 0.0, 0.0], 1)
+
+
+def test_declarations() -> None:
+    assert set(DEFAULTS) == set(ParabolaDrive.PARAMETERS)
+    assert ParabolaDrive.CHOICES == ("waveform.kind", "waveform.axis")
+    # the feedback alone looks at the inputs
+    assert ParabolaDrive.FEEDTHROUGH == (0,)
+    assert [n for n, group in ParabolaDrive.OUTPUTS.items() if group == 0] == ["parabola.ax"]
+
+
+def test_feedback_law() -> None:
+    law = drive(
+        feedback_slider_u=2.0,
+        feedback_slider_u_rate=3.0,
+        feedback_pendulum_angle=5.0,
+        feedback_pendulum_angular_velocity=7.0,
+        feedback_parabola_x=11.0,
+        feedback_parabola_vx=13.0,
+        reference_pendulum_angle=0.5,
+        reference_parabola_x=-0.25,
+    )
+    law.set_inputs([0.1, 0.2, 0.3, 0.4, 0.5, 0.6], 0)
+    expected = -(0.2 + 0.6 + 5.0 * (0.3 - 0.5) + 2.8 + 11.0 * (0.5 + 0.25) + 7.8)
+    assert read(law) == (pytest.approx(expected, rel=1e-15), 0.0, 0.0)
+
+
+@pytest.mark.parametrize("axis", [1, 2, 3])
+def test_waveform_goes_to_its_axis(axis: int) -> None:
+    law = drive(STEP, axis, waveform_amplitude=-3.0, feedback_slider_u=1.0)
+    measure(law, 2.0)
+    expected = [-2.0, 0.0, 0.0]
+    expected[axis - 1] += -3.0
+    assert read(law) == tuple(expected)
+
+
+def test_no_waveform() -> None:
+    assert read(drive(NONE, waveform_amplitude=5.0)) == (0.0, 0.0, 0.0)
+
+
+def wave(law: ParabolaDrive, time: float) -> float:
+    """The output after stepping to `time`."""
+    if time > law.time:
+        law.advance(law.time, time - law.time)
+    return read(law)[0]
+
+
+def test_sine() -> None:
+    law = drive(SINE, waveform_amplitude=2.0, waveform_frequency=0.7, waveform_phase=0.4)
+    for i in range(50):
+        t = 0.13 * i
+        expected = 2.0 * math.sin(2.0 * math.pi * 0.7 * t + 0.4)
+        assert wave(law, t) == pytest.approx(expected, abs=1e-13)
+
+
+def test_sine_keeps_its_precision_at_late_times() -> None:
+    law = drive(SINE, waveform_frequency=128.0, time=1e6)
+    law.advance(1e6, 2.0**-10)
+    with mpmath.workdps(40):
+        true = mpmath.sin(2 * mpmath.pi * 128 * mpmath.mpf(law.time))
+    assert read(law)[0] == pytest.approx(float(true), abs=1e-15)
+
+
+@pytest.mark.parametrize("kind", [SINE, CHIRP, STEP])
+def test_zero_before_start(kind: int) -> None:
+    law = drive(kind, waveform_start_time=0.3, waveform_phase=1.0, waveform_amplitude=2.0)
+    begun = 2.0 if kind == STEP else 2.0 * math.sin(1.0)
+    for _ in range(2):
+        assert read(law)[0] == 0.0
+        law.advance(law.time, 0.1)
+    law.advance(0.2, 0.09)
+    assert read(law)[0] == 0.0
+    # 0.1 + 0.2, added up, is not 0.3; nor is 3 times 0.1
+    for time in (0.3, 0.1 + 0.2, 0.29999999999999993):
+        law.time = time
+        assert read(law)[0] == pytest.approx(begun, rel=1e-12)
+
+
+def test_chirp_is_linear_in_frequency_and_goes_on() -> None:
+    law = drive(
+        CHIRP,
+        waveform_frequency=0.5,
+        waveform_end_frequency=3.0,
+        waveform_duration=4.0,
+        waveform_start_time=1.0,
+        waveform_phase=0.2,
+    )
+
+    def cycles(elapsed: float) -> Any:
+        ends = [0, min(elapsed, 4), elapsed]
+        return mpmath.quad(lambda t: 0.5 + 2.5 * min(t / 4, mpmath.mpf(1)), ends)
+
+    for i in range(60):
+        t = 1.0 + 0.1 * i
+        expected = mpmath.sin(2 * mpmath.pi * cycles(0.1 * i) + mpmath.mpf(0.2))
+        assert wave(law, t) == pytest.approx(float(expected), abs=1e-12)
+
+
+def test_chirp_of_no_duration_is_a_sine() -> None:
+    law = drive(CHIRP, waveform_duration=0.0, waveform_end_frequency=2.0)
+    assert wave(law, 0.1) == pytest.approx(math.sin(0.4 * math.pi))
+
+
+def test_limit_acts_on_the_sum_along_x_alone() -> None:
+    law = drive(STEP, feedback_slider_u=1.0, limit_acceleration=1.5)
+    for u, expected in ((0.0, 1.0), (-1.0, 1.5), (2.0, -1.0), (4.0, -1.5)):
+        measure(law, u)
+        assert read(law)[0] == expected
+    for axis in (2, 3):
+        law = drive(STEP, axis, waveform_amplitude=9.0, limit_acceleration=1.5)
+        assert read(law)[axis - 1] == 9.0
+
+
+def test_products_beyond_the_floats_are_limited_not_nan() -> None:
+    law = drive(feedback_slider_u=1e300, feedback_slider_u_rate=1e300, limit_acceleration=10.0)
+    for u, rate, expected in ((1e300, -1e299, -10.0), (1e299, -1e300, 10.0), (1.0, 0.0, -10.0)):
+        law.set_inputs([u, rate, 0.0, 0.0, 0.0, 0.0], 0)
+        assert read(law)[0] == expected
+    law = drive(SINE, waveform_frequency=1e308, waveform_phase=1.0)
+    assert wave(law, 1e3) == math.sin(1.0)
+
+
+def test_without_period_outputs_follow_directly() -> None:
+    law = drive(feedback_slider_u=1.0)
+    for u in (0.5, -0.25, 3.0):
+        measure(law, u)
+        assert read(law)[0] == -u
+        law.advance(law.time, 0.37)
+        assert read(law)[0] == -u
+
+
+def test_samples_are_held_between_multiples() -> None:
+    law = drive(feedback_slider_u=1.0, sample_period=0.1)
+    held = None
+    for i in range(101):
+        measure(law, float(i + 1))
+        sampled = i % 10 == 0
+        if sampled:
+            held = -float(i + 1)
+        assert read(law)[0] == held, i
+        law.advance(i * 0.01, 0.01)
+
+
+def test_a_sample_feeds_through_until_the_step_leaves_it() -> None:
+    law = drive(feedback_slider_u=1.0, sample_period=0.1)
+    for u in (1.0, 2.0):
+        measure(law, u)
+        assert read(law)[0] == -u
+    law.advance(0.0, 0.03)
+    measure(law, 9.0)
+    assert read(law)[0] == -2.0
+    law.advance(0.03, 0.03)
+    assert read(law)[0] == -2.0
+
+
+def test_multiples_inside_a_step_sample_the_held_inputs_at_their_time() -> None:
+    law = drive(
+        SINE,
+        feedback_slider_u=1.0,
+        sample_period=0.1,
+        waveform_frequency=0.5,
+        waveform_amplitude=2.0,
+    )
+    measure(law, 1.0)
+    law.advance(0.0, 0.05)
+    measure(law, 5.0)
+    # 0.1, 0.2 and 0.3 are inside; the last one counts
+    law.advance(0.05, 0.3)
+    measure(law, 7.0)
+    expected = -5.0 + 2.0 * math.sin(2.0 * math.pi * 0.5 * 0.3)
+    assert read(law)[0] == pytest.approx(expected, rel=1e-14)
+
+
+def test_end_of_a_step_on_a_multiple_is_sampled_by_the_next_one() -> None:
+    law = drive(feedback_slider_u=1.0, sample_period=0.1)
+    measure(law, 1.0)
+    law.advance(0.0, 0.1)
+    measure(law, 3.0)
+    assert read(law)[0] == -3.0
+    law.advance(0.1, 0.05)
+    assert read(law)[0] == -3.0
+
+
+@pytest.mark.parametrize(
+    ("step", "period", "origin"),
+    [
+        (1.0 / 60.0, 0.1, 0.0),
+        (1.0 / 60.0, 0.1, 1e5),
+        (0.001, 0.007, 0.0),
+        (0.001, 0.01, -3.0),
+        (0.1, 0.3, 0.0),
+    ],
+)
+def test_added_up_time_samples_as_often_as_exact_time(
+    step: float, period: float, origin: float
+) -> None:
+    every = round(period / step)
+    law = drive(feedback_slider_u=1.0, sample_period=period, time=origin)
+    time = origin
+    held = None
+    for i in range(5000):
+        measure(law, float(i))
+        if i % every == 0:
+            held = -float(i)
+        assert read(law)[0] == held, (i, time)
+        law.advance(time, step)
+        time += step
+
+
+def test_start_between_multiples_counts_as_a_sample() -> None:
+    law = drive(feedback_slider_u=1.0, sample_period=0.1, time=0.05)
+    measure(law, 2.0)
+    assert read(law)[0] == -2.0
+    law.advance(0.05, 0.02)
+    measure(law, 3.0)
+    assert read(law)[0] == -2.0
+    law.advance(0.07, 0.03)
+    assert read(law)[0] == -3.0
+
+
+def test_period_below_the_resolution_of_time_follows_directly() -> None:
+    law = drive(feedback_slider_u=1.0, sample_period=1e-300, time=1e3)
+    measure(law, 2.0)
+    law.advance(1e3, 0.1)
+    assert read(law)[0] == -2.0
+
+
+def test_tunable_parameters_take_effect_at_the_next_point_or_sample() -> None:
+    choices = {"waveform.kind": STEP, "waveform.axis": 2}
+    direct = drive(feedback_slider_u=1.0)
+    sampled = drive(feedback_slider_u=1.0, sample_period=0.1)
+    for law in (direct, sampled):
+        measure(law, 1.0)
+        law.advance(0.0, 0.05)
+        law.set_parameters({**DEFAULTS, "feedback.slider_u": 4.0}, choices)
+    assert read(direct) == (-4.0, 1.0, 0.0)
+    assert read(sampled) == (-1.0, 0.0, 0.0)
+    sampled.advance(0.05, 0.05)
+    assert read(sampled) == (-4.0, 1.0, 0.0)
+
+
+def test_state_and_rollback() -> None:
+    law = drive(SINE, feedback_slider_u=1.0, sample_period=0.1)
+    measure(law, 1.0)
+    assert law.get_state()[4] == 1.0
+    law.advance(0.0, 0.13)
+    saved, out = law.get_state(), read(law)
+    law.keep()
+    law.advance(0.13, 0.4)
+    assert read(law) != out
+    after = law.get_state()
+    law.undo()
+    assert law.get_state() == saved
+    assert read(law) == out
+    other = drive(SINE, feedback_slider_u=1.0, sample_period=0.1)
+    measure(other, 1.0)
+    other.set_state(saved)
+    assert read(other) == out
+    other.advance(0.13, 0.4)
+    assert other.get_state() == after
+    with pytest.raises(ValueError, match="saved state has 2 numbers where 5 belong"):
+        law.set_state([0.0, 1.0])
+
+
+def test_long_times_sample_at_multiples_not_sums() -> None:
+    law = drive(SINE, sample_period=1e-3, waveform_frequency=0.25, time=1e6)
+    for i in range(1000):
+        law.advance(1e6 + i * 2.5e-4, 2.5e-4)
+    # held since 1e6 + 0.249, or sampled at 1e6 + 0.25, which the point now is
+    assert read(law)[0] == pytest.approx(math.sin(math.pi / 8.0), abs=1e-9)
