@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..cosim import Result
+    from ..cosim import Result, Scene
 
 NAME = "demo"
 HELP = "build the FMUs, run every scene, show what comes out"
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
         for name in scenes:
             progress.update(task, description=name)
             scene = load_scene(name)
-            scene.record(*_MEASURES)
+            scene.record(*_measures(scene))
             try:
                 result = scene.run()
             except RunFailed as error:
@@ -78,8 +78,18 @@ def run(options: argparse.Namespace) -> int:
     return 1 if failures else 0
 
 
-#: recorded besides what a scene asks for
-_MEASURES = ("*.solver.steps", "*.energy.residual", "*.constraint.drift")
+def _measures(scene: Scene) -> list[str]:
+    """What the table shows, by path, where a component has it."""
+    from ..fmi.build import load_declaration
+
+    wanted = ("solver.steps", "energy.residual", "constraint.drift")
+    return [
+        f"{component.name}.{variable.name}"
+        for component in scene.components.values()
+        if isinstance(component.source, str)
+        for variable in load_declaration(component.source).variables
+        if variable.name in wanted
+    ]
 
 
 def _columns(result: Result, ending: str) -> list[str]:
