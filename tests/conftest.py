@@ -1,0 +1,84 @@
+"""What the tests of built FMUs share: the FMUs themselves, built and extracted once a session."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+# test modules are imported without packages (importmode=importlib); their helpers live here
+sys.path.insert(0, str(Path(__file__).parent / "fmi"))
+
+from harness import Extracted, Instance
+
+from curvebound.fmi.build import build
+from curvebound.fmi.compile import why_not
+
+NAMES = ("BeadOnWire", "ParabolaDrive", "ParabolaPendulum")
+
+
+def _built(folder: Path, *, compiled: bool) -> Path:
+    for name in NAMES:
+        build(name, folder, compiled=compiled)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the three built FMUs, compiled where a C compiler is found."""
+    return _built(tmp_path_factory.mktemp("fmus"), compiled=not why_not())
+
+
+@pytest.fixture(scope="session")
+def interpreted_fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the three FMUs, built without compiling the kernel."""
+    return _built(tmp_path_factory.mktemp("interpreted_fmus"), compiled=False)
+
+
+def _extracted(folder: Path) -> Iterator[dict[str, Extracted]]:
+    found = {name: Extracted(folder / f"{name}.fmu") for name in NAMES}
+    yield found
+    for fmu in found.values():
+        shutil.rmtree(fmu.folder, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
+def extracted(fmus: Path) -> Iterator[dict[str, Extracted]]:
+    """The FMUs of `fmus`, extracted, by name."""
+    yield from _extracted(fmus)
+
+
+@pytest.fixture(scope="session")
+def interpreted(interpreted_fmus: Path) -> Iterator[dict[str, Extracted]]:
+    """The FMUs of `interpreted_fmus`, extracted, by name."""
+    yield from _extracted(interpreted_fmus)
+
+
+@pytest.fixture
+def instantiate(extracted: dict[str, Extracted]) -> Iterator[Callable[..., Instance]]:
+    """Makes instances (name or Extracted, then the arguments of Instance) and frees them all."""
+    made: list[Instance] = []
+
+    def make(fmu: str | Extracted, **settings: object) -> Instance:
+        chosen = extracted[fmu] if isinstance(fmu, str) else fmu
+        made.append(Instance(chosen, **settings))  # type: ignore[arg-type]
+        return made[-1]
+
+    yield make
+    for instance in made:
+        instance.free()
+
+
+@pytest.fixture
+def start(instantiate: Callable[..., Instance]) -> Callable[..., Instance]:
+    """Makes an initialised instance: name, then the arguments of Instance.start."""
+
+    def make(fmu: str | Extracted, *arguments: object, **settings: object) -> Instance:
+        instance = instantiate(fmu)
+        instance.start(*arguments, **settings)  # type: ignore[arg-type]
+        return instance
+
+    return make
