@@ -138,6 +138,7 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
         binary = f"binaries/linux64/{name}.so"
         files["binaries/linux64/pythonfmu-export.so"] = files[binary]
         files[binary] = forwarder.read_bytes()
+        files["binaries/linux64/guid.txt"] = guid.encode()
         how += ", forwarding library for linux64"
     else:
         how += f", PythonFMU's binary ({forwarding.why_not()})"
