@@ -5,6 +5,8 @@ the first of the two animations that this project began with. The energy stays, 
 rounding level; with constraint.stabilization=none it is not (try it with a solver.step of 1/60).
 """
 
+import math
+
 from curvebound.cosim import Scene
 
 scene = Scene(
@@ -21,7 +23,7 @@ scene.add(
         "model.formulation": "lagrange_multiplier",
         "constraint.stabilization": "projection",
         "solver.method": "rk4",
-        "bead.angle_start": 1.5707963267948966,
+        "bead.angle_start": 0.5 * math.pi,
     },
 )
 scene.record("bead.bead.*", "bead.constraint.*", "bead.energy.*", "bead.solver.*")

@@ -38,9 +38,9 @@ def _sweep(schedule: Schedule, *, passing_on: bool) -> Advance:
     """Every component once over the whole step, order 1.
 
     Jacobi: all from the values of t. Gauss-Seidel: one after the other, each with the outputs that
-    the components before it have reached at t + H, as far as these are functions of their state;
-    outputs with direct feedthrough keep their value of t, so that a controller without state acts
-    without delay, and a sampled loop is reproduced exactly.
+    the components before it in the circle have reached at t + H, as far as these are functions of
+    their state. Outputs with direct feedthrough, and those of a component that nothing drives, keep
+    their value of t: a controller acts without delay, and a sampled loop is reproduced exactly.
     """
     clock = Clock()
     calls = schedule.stepping(schedule.system.order, clock, passing_on=passing_on)

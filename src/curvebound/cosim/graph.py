@@ -75,7 +75,7 @@ def levels(
 
     depends: output -> outputs that it depends on through direct feedthrough.
     at_least: output -> smallest level (0 for a function of the state alone, 1 when an input that
-        the scene drives enters).
+        is driven enters).
     An output's level is above that of every output it depends on; those of one loop share theirs.
     """
     feeds: dict[T, list[T]] = {node: [] for node in depends}

@@ -54,7 +54,7 @@ class Adaptive:
         scale; the error of the result is proportional to it.
     scales: size that an output's error is measured by, in its unit, by path (missing ones: the
         declared nominal, else 1). An output named here is controlled in any case.
-    smallest, largest: bounds of the macro step in s (default: step / 1024, and a quarter of the run).
+    smallest, largest: bounds of the macro step in s (default: step / 1024, a quarter of the run).
     """
 
     tolerance: float = 1e-3

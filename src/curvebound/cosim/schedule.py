@@ -127,8 +127,8 @@ class Schedule:
     def stepping(self, names: Iterable[str], clock: Clock, *, passing_on: bool) -> list[Call]:
         """Calls that step components and read what their states determine.
 
-        passing_on: each new output reaches the components that step later (Gauss-Seidel);
-        otherwise all of them step from the same values (Jacobi).
+        passing_on: new outputs reach the components that step later, as System.passing says
+        (Gauss-Seidel); otherwise all of them step from the same values (Jacobi).
         """
         names = list(names)
         self._stale = set(self._after_evaluation)
@@ -137,14 +137,11 @@ class Schedule:
         for name in names:
             calls += self._freshen(name)
             calls.append(self.exchange.do_step(self.instances[name], clock.time, clock.size))
-            if passing_on:
+            if passing_on and name in self.system.passing:
                 calls += self._states[name]
                 self._changed(name, 0)
             else:
                 reads += self._states[name]
-        if not passing_on:
-            for name in names:
-                self._changed(name, 0)
         return calls + reads
 
     # running them

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..errors import CurveboundError
 from .fmu import Fmu, Value, Variable, nearest, read_fmu
-from .graph import Loop, levels, stepping_order, two_groups
+from .graph import Loop, components, levels, stepping_order, two_groups
 from .scene import ALGORITHMS, Component, Scene
 from .signals import Signal, signal
 
@@ -44,6 +44,8 @@ class Link:
 class System:
     """Everything a master needs. `levels` holds every output that is read at all.
 
+    order: in which components step; passing: those whose new outputs gauss_seidel hands to the
+    components that step later in the same step.
     recorded: outputs to keep, in the order asked for; controlled: outputs whose error the adaptive
     macro step bounds, with their scales.
     notes: said once to the user, such as inputs that nothing drives.
@@ -60,6 +62,7 @@ class System:
     initial_levels: dict[Port, int]
     initial_loops: list[Loop[Port]]
     order: list[str]
+    passing: set[str]
     groups: tuple[list[str], list[str]] | None
     notes: list[str] = field(default_factory=list)
 
@@ -409,6 +412,7 @@ class _Resolution:
             initial_levels=initial,
             initial_loops=initial_loops,
             order=list(order),
+            passing=_passing(order, edges),
             groups=groups,
             notes=self.notes,
         )
@@ -492,6 +496,30 @@ def _locate(source: str | Path, folder: Path | None) -> Path:
     if folder is not None and not path.is_absolute():
         path = folder / path
     return path
+
+
+def _passing(order: list[str], edges: dict[str, dict[str, bool]]) -> set[str]:
+    """Components whose outputs go on within the step in gauss_seidel.
+
+    Those that are in a circle with everything they drive later on. What a mere source puts out is
+    held from the start of the step, and so is all that a component gives whose outputs follow
+    their inputs directly: the values that a component gets from another belong to one time.
+    """
+    circles = {
+        name: i
+        for i, group in enumerate(components({name: list(edges.get(name, ())) for name in order}))
+        for name in group
+    }
+    rank = {name: i for i, name in enumerate(order)}
+    return {
+        name
+        for name in order
+        if all(
+            circles[target] == circles[name] and not strong
+            for target, strong in edges.get(name, {}).items()
+            if rank[target] > rank[name]
+        )
+    }
 
 
 def _units_differ(a: Variable, b: Variable) -> bool:
