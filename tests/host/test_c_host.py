@@ -1,0 +1,247 @@
+"""The FMUs in a process without Python: a plain C host."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+pytestmark = pytest.mark.usefixtures("system_python")
+
+HERE = Path(__file__).parent
+PLAIN = {"PATH": "/usr/bin:/bin"}
+
+
+def whole_run(fmu, vrs, count=20):
+    """The commands of a simulation from instantiation to the end."""
+    show = " ".join(map(str, vrs))
+    return [
+        *fmu.start(),
+        "setup 0 - 0 -",
+        "enter 0",
+        "exit 0",
+        f"get 0 {show}",
+        *(f"steps 0 {k * 0.05!r} 0.05 1 {show}" for k in range(count)),
+        "terminate 0",
+        "free 0",
+    ]
+
+
+def rows(result):
+    return [[float(x) for x in a[1:]] for a in result.answers if len(a) > 1]
+
+
+def slave_of(fmu):
+    """An initialised instance in fmpy."""
+    slave = FMU2Slave(
+        guid=fmu.guid,
+        unzipDirectory=str(fmu.folder),
+        modelIdentifier=fmu.identifier,
+        instanceName="fmpy",
+    )
+    slave.instantiate()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    return slave
+
+
+def in_fmpy(fmu, vrs, count=20):
+    slave = slave_of(fmu)
+    values = [slave.getReal(vrs)]
+    for k in range(count):
+        slave.doStep(k * 0.05, 0.05)
+        values.append(slave.getReal(vrs))
+    slave.terminate()
+    slave.freeInstance()
+    return values
+
+
+@pytest.mark.parametrize("name", ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"])
+def test_a_plain_environment_gives_fmpys_numbers(host, fmus, name):
+    vrs = fmus[name].outputs()
+    result = host(whole_run(fmus[name], vrs))
+    assert result.status == 0
+    assert result.error == ""
+    assert result.messages == []
+    assert rows(result) == in_fmpy(fmus[name], vrs)
+
+
+def test_a_virtual_environment_first_on_path(host, bead, tmp_path):
+    subprocess.run(
+        ["/usr/bin/python3", "-m", "venv", "--without-pip", str(tmp_path / "venv")], check=True
+    )
+    vrs = bead.outputs()
+    environment = {"PATH": f"{tmp_path}/venv/bin:/usr/bin:/bin"}
+    assert rows(host(whole_run(bead, vrs), environment)) == in_fmpy(bead, vrs)
+
+
+def test_the_interpreter_of_these_tests_first_on_path(host, bead):
+    environment = {"PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin"}
+    vrs = bead.outputs()
+    assert rows(host(whole_run(bead, vrs), environment)) == in_fmpy(bead, vrs)
+
+
+def test_the_tools_own_python_variables_do_no_harm(host, bead):
+    environment = {**PLAIN, "PYTHONHOME": "/nowhere", "PYTHONPATH": "/nowhere", "PYTHONMALLOC": "bad"}
+    assert host(whole_run(bead, bead.outputs()), environment).status == 0
+
+
+def private_python(environment):
+    """The libpython that a host with this environment maps, by its own account."""
+    return {"LD_DEBUG": "files", **environment}
+
+
+def loaded_python(result):
+    found = re.findall(r"calling init: (\S*libpython3\.\d+\S*)", result.error)
+    return found[-1] if found else None
+
+
+def test_the_environment_variable_comes_first(host, bead):
+    libraries = sorted(
+        path
+        for folder in ("/usr/lib", "/usr/lib64", "/usr/local/lib", os.path.join(sys.base_prefix, "lib"))
+        for path in Path(folder).glob("**/libpython3.1[0-9].so.1.0")
+    )
+    if not libraries:
+        pytest.skip("no libpython in the usual folders")
+    for library in libraries:
+        environment = private_python({**PLAIN, "CURVEBOUND_LIBPYTHON": str(library)})
+        result = host(whole_run(bead, bead.outputs(), 2), environment)
+        assert os.path.realpath(loaded_python(result)) == os.path.realpath(library)
+
+
+def test_an_unusable_choice_is_passed_over(host, bead, tmp_path):
+    for choice in (tmp_path / "missing.so", bead.binary):
+        environment = {**PLAIN, "CURVEBOUND_LIBPYTHON": str(choice)}
+        assert host(bead.start(), environment).answers[-1] == ["OK"]
+
+
+def test_without_any_python_the_message_names_what_was_tried(host, bead, tmp_path):
+    for minor in range(10, 15):  # found before the system's, and not loadable
+        (tmp_path / f"libpython3.{minor}.so.1.0").touch()
+    environment = {"PATH": "/nowhere", "LD_LIBRARY_PATH": str(tmp_path)}
+    result = host([*bead.start(), "new 1 0 again " + f"{bead.guid} {bead.uri} 0"], environment)
+    assert result.answers == [["OK"], ["Error"], ["Error"]]
+    instance, status, _, text = result.messages[0]
+    assert (instance, status) == ("i0", "Error")
+    places = [text.index(x) for x in ("CURVEBOUND_LIBPYTHON", "python3 on PATH", "libpython3.13.so.1.0")]
+    assert places == sorted(places)
+    assert len(result.messages) == 2
+
+
+def test_loading_and_unloading_repeatedly(host, bead, pendulum):
+    once = [*bead.start(0, 0), "free 0", "unload 0", *pendulum.start(1, 1), "free 1", "unload 1"]
+    assert host([*once, *once, *once]).status == 0
+    # ended with everything still in use
+    assert host([*bead.start(0, 0), *pendulum.start(1, 1), "setup 0 - 0 -", "enter 0"]).status == 0
+
+
+def test_instances_in_threads(host, bead):
+    vr = bead.vr["bead.x"]
+    result = host([f"load 0 {bead.binary}", f"parallel 0 8 200 {bead.guid} {bead.uri} {vr}"])
+    answer = result.answers[-1]
+    assert answer[::2] == ["OK"] * 8
+    assert len(set(answer[1::2])) == 1
+
+
+def test_ten_thousand_instances_cost_little_memory(host, bead):
+    commands = [f"load 0 {bead.binary}", f"churn 0 10000 {bead.guid} {bead.uri}"]
+    status, growth = host(commands).answers[-1]
+    assert status == "OK"
+    assert float(growth) < 2000.0, "bytes for each instantiate and free"
+
+
+def test_the_binary_runs_on_older_systems(bead):
+    """It must not need a newer glibc than PythonFMU's own binary does, give or take."""
+    done = subprocess.run(["objdump", "-T", bead.binary], capture_output=True, text=True, check=True)
+    versions = {tuple(map(int, v.split("."))) for v in re.findall(r"GLIBC_([0-9.]+)", done.stdout)}
+    assert max(versions) <= (2, 17)
+    defined = {line.split()[-1] for line in done.stdout.splitlines() if " g " in line and ".text" in line}
+    assert all(name.startswith("fmi2") for name in defined)
+    assert 20_000 < bead.binary.stat().st_size < 42_000
+
+
+# -- the same code and other code side by side ------------------------------------------------------
+
+
+def test_several_fmus_in_one_process(host, fmus):
+    alone = {name: rows(host(whole_run(f, f.outputs(), 5))) for name, f in fmus.items()}
+    commands = []
+    for k, fmu in enumerate(fmus.values()):
+        commands += [*fmu.start(k, k), f"setup {k} - 0 -", f"enter {k}", f"exit {k}"]
+        commands += [f"get {k} {' '.join(map(str, fmu.outputs()))}"]
+    for step in range(5):
+        for k, fmu in enumerate(fmus.values()):
+            commands += [f"steps {k} {step * 0.05!r} 0.05 1 {' '.join(map(str, fmu.outputs()))}"]
+    together = rows(host(commands))
+    n = len(fmus)
+    for k, name in enumerate(fmus):
+        assert [together[k], *together[n + k :: n]] == alone[name]
+
+
+_BUILD_FROM = """
+import sys
+from pathlib import Path
+root = Path(sys.argv[1])
+sys.path.insert(0, str(root / "src"))
+import curvebound
+assert Path(curvebound.__file__).is_relative_to(root)
+from curvebound.fmi.build import build
+build("BeadOnWire", root, compiled=False)
+"""
+
+
+@pytest.fixture(scope="module")
+def two_builds(tmp_path_factory, unpack):
+    """BeadOnWire as it is, and from sources with another factor in the kinetic energy."""
+    checkout = HERE.parents[1]
+    builds = []
+    for factor in ("0.5", "0.125"):
+        root = tmp_path_factory.mktemp("checkout")
+        for part in ("src", "fmus"):
+            shutil.copytree(checkout / part, root / part, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copy(checkout / "LICENSE", root)
+        source = root / "src" / "curvebound" / "models" / "bead_base.py"
+        text = source.read_text()
+        assert "kinetic = 0.5 *" in text
+        source.write_text(text.replace("kinetic = 0.5 *", f"kinetic = {factor} *"))
+        subprocess.run([sys.executable, "-c", _BUILD_FROM, str(root)], check=True)
+        builds.append(unpack(root / "BeadOnWire.fmu", root / "unpacked"))
+    return builds
+
+
+def assert_own_results(own, other):
+    """Kinetic energies of a run each: positive, and four to one."""
+    assert all(x > 0.0 for x in own)
+    assert own == [4.0 * x for x in other]
+
+
+def test_two_builds_interleaved_in_the_c_host(host, two_builds):
+    vr = two_builds[0].vr["energy.kinetic"]
+    commands = []
+    for k, fmu in enumerate(two_builds):
+        commands += [*fmu.start(k, k), f"setup {k} - 0 -", f"enter {k}", f"exit {k}"]
+    for step in range(10):
+        commands += [f"steps {k} {step * 0.1!r} 0.1 1 {vr}" for k in (0, 1)]
+    values = [row[0] for row in rows(host(commands))]
+    assert_own_results(values[0::2], values[1::2])
+
+
+def test_two_builds_interleaved_in_fmpy(two_builds):
+    slaves = [slave_of(fmu) for fmu in two_builds]
+    values = ([], [])
+    for step in range(10):
+        for k in (0, 1):
+            slaves[k].doStep(step * 0.1, 0.1)
+            values[k].extend(slaves[k].getReal([two_builds[k].vr["energy.kinetic"]]))
+    for slave in slaves:
+        slave.terminate()
+        slave.freeInstance()
+    assert_own_results(*values)
