@@ -1,1 +1,17 @@
+"""Results for the eye: replay pages, pictures, animations and the gallery that links them."""
 
+from .animation import write_gif
+from .gallery import Card, write_gallery
+from .picture import write_picture
+from .reading import Reading, read_result
+from .replay import write_replay
+
+__all__ = [
+    "Card",
+    "Reading",
+    "read_result",
+    "write_gallery",
+    "write_gif",
+    "write_picture",
+    "write_replay",
+]

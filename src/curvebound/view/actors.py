@@ -54,6 +54,14 @@ class Actor:
             ("bob", self.places["bob_x"], self.places["bob_y"]),
         ]
 
+    def reach(self) -> float:
+        """How far to either side of its vertex a parabola is drawn, in m."""
+        u = np.abs(self.places["body_x"] - self.places["frame_x"])
+        u = u[np.isfinite(u)]
+        # Of a run that blew up, the part before it did.
+        far = float(min(u.max(), 3.0 * np.percentile(u, 90.0) + self.size)) if u.size else 0.0
+        return max(1.25 * far, 0.6 * self.size)
+
 
 def split_name(column: str) -> tuple[str, str]:
     """`plant.slider.u` -> ("plant.", "slider.u"); the component may itself contain dots."""
@@ -128,9 +136,8 @@ def _bead(source: _Source) -> Actor:
         radius = _first(np.hypot(x - frame_x, y - frame_y) - source.get("constraint.drift", 0.0))
     else:
         with np.errstate(divide="ignore", invalid="ignore"):
-            force, multiplier = source.get("constraint.force", 0.0), source.get(
-                "constraint.multiplier", 0.0
-            )
+            force = source.get("constraint.force", 0.0)
+            multiplier = source.get("constraint.multiplier", 0.0)
             radius = _first(np.where(multiplier != 0.0, force / multiplier, np.nan))
         angle = source.get("bead.angle")
         if radius is None:

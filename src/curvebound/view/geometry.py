@@ -89,9 +89,8 @@ def box_of(actors: list[Actor], *, relative: bool = False) -> Box:
 
 def follows_frame(actors: list[Actor]) -> bool:
     """Whether the frames move so far that a picture of the whole would show nothing."""
-    left, bottom, right, top = box_of(actors, relative=True)
-    all_left, all_bottom, all_right, all_top = box_of(actors)
-    return all_right - all_left > 3.0 * (right - left) or all_top - all_bottom > 3.0 * (top - bottom)
+    near, far = box_of(actors, relative=True), box_of(actors)
+    return any(far[i + 2] - far[i] > 3.0 * (near[i + 2] - near[i]) for i in (0, 1))
 
 
 def _box(actor: Actor, relative: bool) -> Box:

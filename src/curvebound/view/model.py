@@ -59,9 +59,8 @@ def build_model(
     shown = [_show(label, data, packer, said, len(results)) for label, data in results]
     actors = [(number, actor) for number, result in enumerate(shown) for actor in result.actors]
     if not actors:
-        said.append(
-            f"Nothing in these columns can be drawn, so only plots are shown: {missing(shown[0].data)}."
-        )
+        lack = missing(shown[0].data)
+        said.append(f"Nothing in these columns can be drawn, so only plots are shown: {lack}.")
     for number, actor in actors:
         said += [f"{shown[number].label}: {note}." for note in actor.notes]
     model: dict[str, Any] = {
@@ -83,9 +82,7 @@ def build_model(
     return model, packer
 
 
-def _show(
-    label: str, data: NDArray[Any], packer: Packer, notes: list[str], results: int
-) -> _Shown:
+def _show(label: str, data: NDArray[Any], packer: Packer, notes: list[str], results: int) -> _Shown:
     data = np.atleast_1d(data)
     check_result(label, data)
     names = data.dtype.names or ()
@@ -93,7 +90,8 @@ def _show(
     if len(data) > most:
         every = -(-len(data) // most)
         notes.append(
-            f"{label}: one in {every} of its {len(data):,} samples is shown, to keep the page small."
+            f"{label}: one in {every} of its {len(data):,} samples is shown, "
+            "to keep the page small."
         )
         data = data[::every]
     for name in names:
@@ -130,18 +128,12 @@ def _name(number: int, actor: Actor, shown: list[_Shown]) -> str:
 
 def _actor(number: int, actor: Actor, shown: list[_Shown], packer: Packer) -> dict[str, Any]:
     result = shown[number]
-    reach = 0.0
-    if "coefficient" in actor.places:
-        u = np.abs(actor.places["body_x"] - actor.places["frame_x"])
-        u = u[np.isfinite(u)]
-        # Of a run that blew up, the part before it did.
-        reach = float(min(u.max(), 3.0 * np.percentile(u, 90.0) + actor.size)) if u.size else 0.0
     return {
         "result": number,
         "label": _name(number, actor, shown),
         "kind": actor.kind,
         "size": actor.size,
-        "reach": max(1.25 * reach, 0.6 * actor.size),
+        "reach": actor.reach(),
         "time": result.clock,
         "places": {name: packer.signal(values) for name, values in actor.places.items()},
     }
@@ -193,7 +185,7 @@ def _plots(
     owners = _owners(shown, actors)
     plots = []
     for plot in PLOTS:
-        series = []
+        series: list[dict[str, Any]] = []
         for result, prefix, number, label in owners:
             for name in plot.names:
                 column = prefix + name

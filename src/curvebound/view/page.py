@@ -14,9 +14,7 @@ from .files import asset
 __all__ = ["embedded_json", "page"]
 
 
-def page(
-    template: str, *, title: str, styles: str, script: str, parts: Mapping[str, str]
-) -> str:
+def page(template: str, *, title: str, styles: str, script: str, parts: Mapping[str, str]) -> str:
     """Fill the asset `template`.
 
     `{{title}}` is escaped; every other part goes in as it is. The content security policy

@@ -1,4 +1,8 @@
-"""Reads a result file, ours or another tool's, and says in words what is wrong with it."""
+"""Reads a result file and says in words what is wrong with it.
+
+A file as `curvebound run` writes it is read by `cosim.read_csv`; only what that refuses, another
+tool's dialect or a damaged file, is looked at here.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cosim.results import read_csv
 from ..errors import CurveboundError
 
 __all__ = ["Reading", "check_result", "read_result"]
@@ -39,6 +44,14 @@ def read_result(path: Path) -> Reading:
     Raises CurveboundError, naming the line, where the file is missing, empty, no table of numbers,
     or its time does not run forward.
     """
+    try:
+        ours = read_csv(path)
+    except CurveboundError:
+        pass
+    else:
+        if "time" in (ours.dtype.names or ()) and ours.size:
+            check_result(str(path), ours)
+            return Reading(ours)
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:

@@ -1,0 +1,272 @@
+"""Bodies and their frames on matplotlib axes, for still pictures and animations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import CurveboundError
+from .actors import BEAD, PENDULUM, Actor, Floats, find_actors
+from .files import asset
+from .geometry import box_of, follows_frame
+from .reading import check_result
+
+__all__ = [
+    "GREY",
+    "INK",
+    "Cast",
+    "Results",
+    "Role",
+    "Stage",
+    "as_floats",
+    "figure",
+    "palette",
+    "pixels",
+    "save_small",
+]
+
+INK = "#1b222c"
+GREY = "#8793a3"
+_PAPER = "white"
+_TINTS = 14  # of each of 18 colours; with white 253, and a picture has 256
+
+
+def figure(width: float, height: float, dpi: int) -> Any:
+    """An empty matplotlib figure in inches, without touching the user's settings or display.
+
+    Raises CurveboundError where matplotlib or Pillow are not installed.
+    """
+    try:
+        import PIL  # noqa: F401
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise CurveboundError(
+            f"Pictures need {error.name}, which is not installed. "
+            "Install it with `pip install 'curvebound[plots]'`."
+        ) from error
+    made = Figure(figsize=(width, height), dpi=dpi, facecolor=_PAPER)
+    FigureCanvasAgg(made)
+    return made
+
+
+def pixels(drawn: Any) -> Any:
+    """A figure as a Pillow picture that knows only our colours and their tints.
+
+    A general quantiser gives rare colours to frequent ones, so that a thin line takes the hue of
+    another; a fixed table keeps every hue, and the same one in all frames of an animation.
+    """
+    from PIL import Image
+
+    drawn.canvas.draw()
+    width, height = drawn.canvas.get_width_height()
+    codes = np.frombuffer(drawn.canvas.buffer_rgba(), dtype="<u4")  # 0xAABBGGRR
+    table = _tints()
+    indices = np.zeros(codes.shape, dtype=np.uint8)  # of white, most of every picture
+    inked = np.flatnonzero(codes != 0xFFFFFFFF)
+    found, places = np.unique(codes[inked], return_inverse=True)
+    colours = np.stack([found & 255, found >> 8 & 255, found >> 16 & 255], axis=1).astype(np.int32)
+    # |a - b|^2 = a.a - 2 a.b + b.b, of which the first is the same for every b
+    gaps = (table * table).sum(axis=1) - 2 * (colours @ table.T)
+    indices[inked] = gaps.argmin(axis=1).astype(np.uint8)[places]
+    picture = Image.frombytes("P", (width, height), indices.tobytes())
+    picture.putpalette(table.astype(np.uint8).tobytes())
+    return picture
+
+
+@cache
+def _tints() -> NDArray[np.int32]:
+    """White, then every colour in use in steps down to it, shape (colours, 3)."""
+    inks = [*palette(), INK, GREY]
+    colours = [[int(ink[i : i + 2], 16) for i in (1, 3, 5)] for ink in inks]
+    full = np.array([*colours, *(255.0 * np.array(_lighter(ink)) for ink in palette())])
+    levels = np.linspace(1.0, 0.0, _TINTS, endpoint=False)[:, None, None]
+    tints = 255.0 - levels * (255.0 - full)
+    return np.concatenate(([[255, 255, 255]], np.rint(tints.reshape(-1, 3)))).astype(np.int32)
+
+
+def save_small(drawn: Any, out: Any) -> None:
+    """Write a figure as PNG with a palette: smaller, to the eye the same."""
+    pixels(drawn).save(out, "PNG", optimize=True)
+
+
+def palette() -> list[str]:
+    """The colours of the replay page in its light theme."""
+    light = asset("common.css").split("}", 1)[0]
+    return re.findall(r"--result-\d: (#[0-9a-f]{6})", light)
+
+
+def as_floats(column: NDArray[Any]) -> Floats:
+    """A column as floats, what is not finite as NaN."""
+    values = np.asarray(column, dtype=np.float64)
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def _lighter(colour: str, share: float = 0.32) -> tuple[float, float, float]:
+    part = [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
+    return (
+        part[0] * (1.0 - share) + share,
+        part[1] * (1.0 - share) + share,
+        part[2] * (1.0 - share) + share,
+    )
+
+
+Results = NDArray[Any] | Sequence[tuple[str, NDArray[Any]]]
+
+
+@dataclass(frozen=True)
+class Role:
+    """An actor with its name, its colour and the times of its samples."""
+
+    label: str
+    actor: Actor
+    colour: str
+    time: Floats
+    data: NDArray[Any]
+
+    @property
+    def last(self) -> int:
+        """The last sample."""
+        return len(self.time) - 1
+
+    def sample(self, t: float) -> int:
+        """The first sample not before t, but for rounding."""
+        return min(int(np.searchsorted(self.time, t - 1e-9)), self.last)
+
+
+class Cast:
+    """Everything to draw of one result, or of several with labels."""
+
+    def __init__(self, results: Results) -> None:
+        if isinstance(results, np.ndarray):
+            results = [("The result", results)]
+        self.results = [(label, np.atleast_1d(data)) for label, data in results]
+        if not self.results:
+            raise CurveboundError("There is no result to draw. Give at least one.")
+        self.actors: list[Role] = []
+        for label, data in self.results:
+            check_result(label, data)
+            found = find_actors(data)
+            time = as_floats(data["time"])
+            for actor in found:
+                component = actor.prefix.rstrip(".")
+                name = label if len(found) == 1 else component
+                if len(found) > 1 and len(self.results) > 1:
+                    name = f"{label}: {component}"
+                colour = palette()[len(self.actors) % len(palette())]
+                self.actors.append(Role(name, actor, colour, time, data))
+
+    def owners(self) -> list[tuple[str, str | None, NDArray[Any], str]]:
+        """(label, prefix of its columns or None for all, data, colour) of what has plots."""
+        if self.actors:
+            return [(one.label, one.actor.prefix, one.data, one.colour) for one in self.actors]
+        colours = palette()
+        return [
+            (label, None, data, colours[number % len(colours)])
+            for number, (label, data) in enumerate(self.results)
+        ]
+
+
+class Stage:
+    """Axes to scale that show actors, from their frame where that travels far."""
+
+    def __init__(self, axes: Any, actors: list[Actor]) -> None:
+        self.axes = axes
+        self.actors = actors
+        self.relative = follows_frame(actors)
+        left, bottom, right, top = box_of(actors, relative=self.relative)
+        # To scale, and the whole of the axes used: the limits give way, not the box.
+        box = axes.get_window_extent()
+        scale = max((right - left) / box.width, (top - bottom) / box.height)
+        middle_x, middle_y = (left + right) / 2.0, (bottom + top) / 2.0
+        axes.set_xlim(middle_x - scale * box.width / 2.0, middle_x + scale * box.width / 2.0)
+        axes.set_ylim(middle_y - scale * box.height / 2.0, middle_y + scale * box.height / 2.0)
+        for spine in axes.spines.values():
+            spine.set_color("#d5dbe3")
+        axes.tick_params(colors=GREY, labelsize=7, length=2, color="#d5dbe3")
+        axes.locator_params(nbins=6)
+        axes.grid(color="#eef1f5", linewidth=0.7)
+        axes.set_axisbelow(True)
+
+    def path(self, actor: Actor, x: str, y: str) -> tuple[Floats, Floats]:
+        """Where a point of an actor goes, shape (samples,), in the coordinates of the axes."""
+        places = actor.places
+        if self.relative:
+            return places[x] - places["frame_x"], places[y] - places["frame_y"]
+        return places[x], places[y]
+
+    def trace(self, actor: Actor, colour: str) -> None:
+        """The whole path of bead or bob as a thin line."""
+        names = ("body_x", "body_y") if actor.kind == BEAD else ("bob_x", "bob_y")
+        x, y = self.path(actor, *names)
+        self.axes.plot(x, y, color=colour, linewidth=0.6, alpha=0.35, zorder=2)
+
+    def bodies(
+        self, actor: Actor, at: int, colour: str, alpha: float = 1.0
+    ) -> Callable[[int], None]:
+        """Draw an actor at sample `at`; returns what moves the drawing to another sample."""
+        plot = self.axes.plot
+        moving: list[tuple[Any, Callable[[int], tuple[Any, Any]]]] = []
+
+        def add(where: Callable[[int], tuple[Any, Any]], *style: Any, **more: Any) -> None:
+            moving.append((plot(*where(at), *style, **more)[0], where))
+
+        def point(x: str, y: str) -> Callable[[int], tuple[Any, Any]]:
+            xs, ys = self.path(actor, x, y)
+            return lambda k: ([xs[k]], [ys[k]])
+
+        alone = 1.0 if self._rests(actor) else alpha
+        add(self._curve(actor), color=GREY, linewidth=1.6, zorder=1, alpha=alone)
+        rim: dict[str, Any] = {"alpha": alpha, "markeredgecolor": _PAPER, "markeredgewidth": 0.8}
+        if actor.kind == PENDULUM:
+            body, bob = self.path(actor, "body_x", "body_y"), self.path(actor, "bob_x", "bob_y")
+            add(
+                lambda k: ([body[0][k], bob[0][k]], [body[1][k], bob[1][k]]),
+                color=INK,
+                linewidth=1.1,
+                alpha=alpha,
+                zorder=3,
+            )
+            add(point("body_x", "body_y"), "s", color=colour, markersize=7, zorder=4, **rim)
+            tint = _lighter(colour)
+            add(point("bob_x", "bob_y"), "o", color=tint, markersize=9.5, zorder=4, **rim)
+        else:
+            add(point("body_x", "body_y"), "o", color=colour, markersize=9.5, zorder=4, **rim)
+
+        def move(k: int) -> None:
+            for line, where in moving:
+                line.set_data(*where(k))
+
+        return move
+
+    def legend(self, cast: Cast) -> None:
+        """Tell the colours, where there are several."""
+        if len(cast.actors) < 2:
+            return
+        for one in cast.actors:
+            self.axes.plot([], [], "o", color=one.colour, markersize=6, label=one.label)
+        self.axes.legend(fontsize=7.5, frameon=False, loc="upper left", labelcolor=INK)
+
+    def _rests(self, actor: Actor) -> bool:
+        """Whether the wire or the parabola looks the same at all times."""
+        names = ["coefficient"] if actor.kind == PENDULUM else []
+        if not self.relative:
+            names += ["frame_x", "frame_y"]
+        return all(float(np.ptp(actor.places[name])) == 0.0 for name in names)
+
+    def _curve(self, actor: Actor) -> Callable[[int], tuple[Floats, Floats]]:
+        """The wire or the parabola at a sample."""
+        frame_x, frame_y = self.path(actor, "frame_x", "frame_y")
+        if actor.kind == BEAD:
+            turn = np.linspace(0.0, 2.0 * np.pi, 181)
+            x, y = actor.size * np.cos(turn), actor.size * np.sin(turn)
+            return lambda k: (frame_x[k] + x, frame_y[k] + y)
+        u = np.linspace(-1.0, 1.0, 97) * actor.reach()
+        coefficient = actor.places["coefficient"]
+        return lambda k: (frame_x[k] + u, frame_y[k] + coefficient[k] * u * u)

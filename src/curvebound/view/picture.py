@@ -1,0 +1,249 @@
+"""A result as a still picture: its motion as by a stroboscope, and what matters over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import CurveboundError
+from .actors import BEAD, Actor, Floats, split_name
+from .drawing import GREY, INK, Cast, Results, Stage, as_floats, figure, palette, save_small
+from .files import write_whole
+from .geometry import distances
+from .quantities import PLOTS, Plot, quantity
+
+__all__ = ["write_picture"]
+
+_FLASHES = 10
+_PLOTS = 3
+_DASHES = ("-", (0, (4, 2)), (0, (1, 1.5)))
+_DPI = 100
+_ROUNDING = 1e-13
+# What tells most about a run, in this order; each line is good for one plot.
+_CHOICE = (
+    ("Angle",),
+    ("Energy",),
+    ("Constraint drift", "Error of the linear model", "Energy residual"),
+    ("Slider on the parabola",),
+    ("Drive", "Drive of the coefficient"),
+    ("Energy residual",),
+)
+_CHOICE_OF_MANY = (
+    ("Constraint drift", "Error of the linear model", "Energy residual"),
+    ("Angle",),
+    ("Slider on the parabola",),
+)
+
+
+def write_picture(results: Results, out: Path, title: str | None = None) -> Path:
+    """Draw results to the PNG `out`: one structured array, or pairs of a label and an array.
+
+    Columns are `time` in s and `component.variable` in SI units. Several results share the
+    picture, each in its colour. Raises CurveboundError where matplotlib is missing or there is
+    nothing to draw.
+    """
+    cast = Cast(results)
+    plots = _plots(cast)[: _PLOTS if cast.actors else 4]
+    if not cast.actors and not plots:
+        raise CurveboundError(
+            "There is nothing to draw: no column besides `time` holds numbers that vary."
+        )
+    drawn = figure(9.0 if cast.actors else 6.4, 4.6, _DPI)
+    grid = drawn.add_gridspec(
+        max(len(plots), 1), 2 if cast.actors else 1,
+        width_ratios=(1.15, 1.0) if cast.actors else None,
+        left=0.05 if cast.actors else 0.12, right=0.985, bottom=0.1, top=0.9 if title else 0.95,
+        wspace=0.17, hspace=0.45,
+    )  # fmt: skip
+    if title:
+        drawn.suptitle(title, x=0.015, ha="left", fontsize=11, fontweight="bold", color=INK)
+    if cast.actors:
+        if not plots:
+            grid = drawn.add_gridspec(1, 1)
+        _strobe(drawn.add_subplot(grid[:, 0]), cast)
+    for row, (heading, unit, logarithmic, series) in enumerate(plots):
+        axes = drawn.add_subplot(grid[row, -1])
+        _over_time(axes, heading, unit, logarithmic, series)
+        if row == len(plots) - 1:
+            axes.set_xlabel("time in s", fontsize=7.5, color=GREY, labelpad=1)
+    return write_whole(out, lambda path: save_small(drawn, path))
+
+
+def _strobe(axes: Any, cast: Cast) -> None:
+    stage = Stage(axes, [one.actor for one in cast.actors])
+    first = cast.actors[0]
+    start, end = float(first.time[0]), float(first.time[-1])
+    until = min(start + _swing(first.time, first.actor), end)
+    flashes = np.linspace(start, until, _FLASHES)
+    if len(cast.actors) > 1:  # side by side their paths and their ends tell more
+        flashes = flashes[:0]
+    flashed = []
+    for one in cast.actors:
+        stage.trace(one.actor, one.colour)
+        samples = np.unique([one.sample(t) for t in flashes]) if len(flashes) else [one.last]
+        for order, at in enumerate(samples):
+            fade = (order + 1) / len(samples)
+            stage.bodies(one.actor, int(at), one.colour, 0.12 + 0.88 * fade * fade)
+        flashed = list(samples)
+    if len(flashed) > 1:
+        step = (until - start) / (_FLASHES - 1)
+        words = f"t = {start:.3g} … {until:.3g} s, every {step:.2g} s"
+    else:
+        words = f"t = {end:.4g} s"
+    if stage.relative:
+        words += ", seen from the frame"
+    axes.set_title(f"{words}; m", fontsize=7.5, color=GREY, loc="left", pad=4)
+    stage.legend(cast)
+
+
+def _swing(time: Floats, actor: Actor) -> float:
+    """Time from one end of the motion to the other, where no flash hides another; or all."""
+    names = ("body_x", "frame_x") if actor.kind == BEAD else ("bob_x", "body_x")
+    swing = actor.places[names[0]] - actor.places[names[1]]
+    good = np.isfinite(swing)
+    whole = float(time[-1] - time[0])
+    if good.sum() < 3:
+        return whole
+    above = swing[good] > np.mean(swing[good])
+    rises = time[good][1:][above[1:] & ~above[:-1]]
+    return float(np.median(np.diff(rises))) / 2.0 if len(rises) > 1 else whole
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One line of a plot over time."""
+
+    label: str
+    time: Floats
+    values: Floats
+    colour: str
+    dash: int
+
+
+_Chart = tuple[str, str, bool, list[_Line]]  # title, unit, logarithmic, lines
+
+
+def _plots(cast: Cast) -> list[_Chart]:
+    """The plots to show, the most telling first."""
+    by_title = {plot.title: plot for plot in PLOTS}
+    found: dict[str, _Chart] = {}
+    choice: Sequence[Sequence[str]] = _CHOICE if cast.actors else [[plot.title] for plot in PLOTS]
+    if len(cast.actors) > 1:
+        choice = _CHOICE_OF_MANY
+        apart = _apart(cast)
+        if apart:
+            found["distance"] = (f"Distance from {cast.actors[0].label}", "m", True, apart)
+    for titles in choice:
+        for title in titles:
+            if title in found:
+                continue
+            plot = by_title[title]
+            lines = _lines(cast, plot)
+            if lines:
+                what = quantity(plot.names[0])
+                found[title] = (title, what.unit, what.error, lines)
+                break
+    if not found:
+        for number, (_, data) in enumerate(cast.results):
+            time = as_floats(data["time"])
+            for name in data.dtype.names or ():
+                values = as_floats(data[name])
+                if name != "time" and _varies(values):
+                    line = _Line("", time, values, palette()[number % 8], 0)
+                    found.setdefault(name, (name, "", False, []))[3].append(line)
+    return list(found.values())
+
+
+def _apart(cast: Cast) -> list[_Line]:
+    """Distance of every body from the first, where they are of one kind."""
+    first, *others = cast.actors
+    lines = []
+    for one in others:
+        if one.actor.kind != first.actor.kind:
+            continue
+        time, pairs = distances(first.actor, first.time, one.actor, one.time)
+        for dash, (point, values) in enumerate(pairs):
+            label = f"{one.label}: {point}" if len(pairs) > 1 else one.label
+            if len(others) == 1:
+                label = point
+            if np.isfinite(values).any() and np.nanmax(values) > 0.0:
+                lines.append(_Line(label, time, values, one.colour, dash))
+    return lines
+
+
+def _lines(cast: Cast, plot: Plot) -> list[_Line]:
+    """The lines of one plot: the colour tells bodies apart, or quantities where there is one."""
+    many = len(cast.actors) > 1
+    lines: list[_Line] = []
+    kinds: list[str] = []
+    for owner, prefix, data, colour in cast.owners():
+        for name in data.dtype.names or ():
+            found, variable = split_name(name)
+            if variable not in plot.names or (prefix is not None and found != prefix):
+                continue
+            values = as_floats(data[name])
+            if not np.isfinite(values).any():
+                continue
+            what = quantity(variable).label
+            if what not in kinds:
+                kinds.append(what)
+            shade = colour if many else palette()[len(lines) % 8]
+            label = f"{owner}: {what}" if many else what
+            lines.append(_Line(label, as_floats(data["time"]), values, shade, kinds.index(what)))
+    if many and len(kinds) == 1:
+        lines = [replace(line, label=line.label.rpartition(": ")[0]) for line in lines]
+    if quantity(plot.names[0]).error:  # at rounding level there is nothing to see
+        return lines if any(np.nanmax(np.abs(line.values)) > _ROUNDING for line in lines) else []
+    return lines if not plot.moving or any(_varies(line.values) for line in lines) else []
+
+
+def _varies(values: Floats) -> bool:
+    good = values[np.isfinite(values)]
+    return bool(good.size and np.ptp(good) > 0.0)
+
+
+def _over_time(axes: Any, title: str, unit: str, logarithmic: bool, lines: list[_Line]) -> None:
+    heading = f"|{title}|" if logarithmic else title
+    if unit not in ("", "1"):
+        heading += f", {unit.replace('s2', 's²')}"
+    # Where one line may hide another, the later is the thinner.
+    stacked = len({line.colour for line in lines}) > 1 and len({line.dash for line in lines}) == 1
+    for order, line in enumerate(lines):
+        values = line.values
+        if logarithmic:
+            values = np.where(values == 0.0, np.nan, np.abs(values))
+        axes.plot(
+            line.time, values, color=line.colour, label=line.label,
+            linewidth=max(2.2 - order, 1.0) if stacked else 1.0,
+            linestyle=_DASHES[line.dash % 3], marker="o" if len(values) == 1 else None,
+        )  # fmt: skip
+    if logarithmic:
+        _decades(axes, lines)
+    axes.set_title(heading, fontsize=8, color=INK, loc="left", pad=3)
+    if 1 < len(lines) <= 3:
+        axes.legend(
+            fontsize=6.5, ncols=3, frameon=False, loc="lower right", bbox_to_anchor=(1.01, 0.97),
+            borderaxespad=0.0, handlelength=1.8, columnspacing=1.0,
+        )  # fmt: skip
+    axes.margins(x=0.0)
+    axes.grid(color="#e9edf2", linewidth=0.7)
+    axes.tick_params(colors=GREY, labelsize=7, length=2, color="#d5dbe3")
+    for spine in axes.spines.values():
+        spine.set_color("#d5dbe3")
+
+
+def _decades(axes: Any, lines: list[_Line]) -> None:
+    """A logarithmic axis that starts no deeper than is worth looking at."""
+    from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
+
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(numticks=5))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    largest = max(float(np.nanmax(np.abs(line.values))) for line in lines)
+    low, high = axes.get_ylim()
+    axes.set_ylim(max(low, 1e-8 * largest), max(high, 30.0 * low))
