@@ -17,7 +17,16 @@ from .scene import ALGORITHMS, Adaptive, Scene
 if TYPE_CHECKING:
     from .results import Result
 
-__all__ = ["Progress", "chosen", "configure", "main", "run_all", "summarize"]
+__all__ = [
+    "Progress",
+    "changed",
+    "chosen",
+    "configure",
+    "configure_changes",
+    "main",
+    "run_all",
+    "summarize",
+]
 
 
 def _setting(text: str) -> tuple[str, Value]:
@@ -27,8 +36,8 @@ def _setting(text: str) -> tuple[str, Value]:
     return path.strip(), value.strip()
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options that change and run a scene."""
+def configure_changes(parser: argparse.ArgumentParser) -> None:
+    """Add the options that change a scene."""
     parser.add_argument(
         "--set",
         metavar="COMPONENT.VARIABLE=VALUE",
@@ -46,7 +55,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         help="choose the macro step: bound on the relative error per second",
     )
-    parser.add_argument("--variant", metavar="NAME", help="run this variant of the scene")
+    parser.add_argument("--variant", metavar="NAME", help="take this variant of the scene")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options that change and run a scene."""
+    configure_changes(parser)
     parser.add_argument(
         "--variants", action="store_true", help="run the scene and all its variants"
     )
@@ -55,25 +69,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def chosen(scene: Scene, options: argparse.Namespace) -> list[tuple[str, Scene]]:
     """The scenes to run, each with a label: the scene or its variants, changed by the options."""
-    if options.variants:
-        scenes = [(scene.name, scene.copy())]
-        scenes += [(name, scene.with_variant(name)) for name in scene.variants]
-    elif options.variant is not None:
-        scenes = [(options.variant, scene.with_variant(options.variant))]
-    else:
-        scenes = [(scene.name, scene.copy())]
-    for _, one in scenes:
-        if options.stop is not None:
-            one.stop_time = options.stop
-        if options.step is not None:
-            one.step = options.step
-        if options.algorithm is not None:
-            one.algorithm = options.algorithm
-        if options.adaptive is not None:
-            one.adaptive = Adaptive(tolerance=options.adaptive)
-        for path, value in options.set:
-            one.set(path, value)
-    return scenes
+    if not options.variants:
+        return [(options.variant or scene.name, changed(scene, options))]
+    scenes = [(scene.name, scene)]
+    scenes += [(name, scene.with_variant(name)) for name in scene.variants]
+    return [(label, changed(one, options)) for label, one in scenes]
+
+
+def changed(scene: Scene, options: argparse.Namespace) -> Scene:
+    """A copy of the scene with the options applied; later ones prevail over a variant."""
+    scene = scene.copy() if options.variant is None else scene.with_variant(options.variant)
+    if options.stop is not None:
+        scene.stop_time = options.stop
+    if options.step is not None:
+        scene.step = options.step
+    if options.algorithm is not None:
+        scene.algorithm = options.algorithm
+    if options.adaptive is not None:
+        scene.adaptive = Adaptive(tolerance=options.adaptive)
+    for path, value in options.set:
+        scene.set(path, value)
+    return scene
 
 
 class Progress:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import io
 import os
 import tempfile
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import CurveboundError
 
-__all__ = ["Result", "RunFailed", "read_csv", "write_csv"]
+__all__ = ["Result", "RunFailed", "as_csv", "read_csv", "write_csv"]
 
 Table = NDArray[Any]  # structured: time, then one column per variable
 
@@ -86,23 +88,29 @@ def write_csv(data: Table, path: Path | str) -> Path:
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    names = list(data.dtype.names or ())
-    columns = []
-    for name in names:
+    columns: dict[str, list[float]] = {}
+    for name in data.dtype.names or ():
         column = data[name]
-        values = column.astype(int).tolist() if column.dtype.kind in "biu" else column.tolist()
-        columns.append([repr(value) for value in values])
+        columns[name] = (column.astype(int) if column.dtype.kind in "biu" else column).tolist()
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
     try:
         with os.fdopen(handle, "w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerow(names)
-            file.writelines(",".join(row) + "\n" for row in zip(*columns, strict=True))
+            file.write(as_csv(columns))
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
     return path
+
+
+def as_csv(columns: Mapping[str, Sequence[float]]) -> str:
+    """The text of write_csv."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        text.write(",".join(map(repr, row)) + "\n")
+    return text.getvalue()
 
 
 def read_csv(path: Path | str) -> Table:

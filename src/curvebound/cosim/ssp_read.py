@@ -1,0 +1,330 @@
+"""Scenes from SSP 1.0 packages of FMI 2.0 co-simulation FMUs, ours or anybody's.
+
+Read are nested systems (flattened, their names joined by _), connections through the connectors of
+systems, linear transformations and unit conversions, parameter values and mappings, inline and in
+files, units, and the default experiment. Not read, and refused where they matter: connections
+between parameters of components, references to other packages, signal dictionaries.
+
+FMUs none of whose outputs declares dependencies count as having no direct feedthrough: taken to
+the letter of FMI every coupling of two of them would be an algebraic loop.
+"""
+
+from __future__ import annotations
+
+import atexit
+import json
+import shutil
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+from ..errors import CurveboundError
+from .fmu import Fmu, Value, read_fmu
+from .results import read_csv
+from .scene import Adaptive, Scene
+from .ssp import ANNOTATION, NAMESPACES
+from .ssp_values import Parameter, bound_values, units_of
+
+__all__ = ["read_ssp"]
+
+Element = ElementTree.Element
+
+
+def read_ssp(path: Path | str) -> Scene:
+    """The scene of an SSP package (its SystemStructure.ssd).
+
+    Raises CurveboundError, which names what cannot be read and why.
+    """
+    path = Path(path)
+    folder = _unpack(path)
+    ssd = folder / "SystemStructure.ssd"
+    if not ssd.is_file():
+        raise CurveboundError(f"{path} holds no SystemStructure.ssd; it is no SSP package.")
+    try:
+        root = ElementTree.parse(ssd).getroot()
+    except ElementTree.ParseError as error:
+        raise CurveboundError(f"{path}: SystemStructure.ssd is no XML: {error}") from error
+    system = root.find("ssd:System", NAMESPACES)
+    if system is None:
+        raise CurveboundError(f"{path}: SystemStructure.ssd describes no system.")
+    return _Reader(path, folder, root).scene(system)
+
+
+_unpacked: dict[tuple[str, int, int], Path] = {}
+
+
+def _unpack(path: Path) -> Path:
+    if not path.is_file():
+        raise CurveboundError(f"There is no SSP package at {path}.")
+    status = path.stat()
+    identity = (str(path.resolve()), status.st_mtime_ns, status.st_size)
+    folder = _unpacked.get(identity)
+    if folder is None or not folder.is_dir():
+        folder = Path(tempfile.mkdtemp(prefix="curvebound_ssp_"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        try:
+            with zipfile.ZipFile(path) as archive:
+                archive.extractall(folder)
+        except zipfile.BadZipFile as error:
+            raise CurveboundError(f"{path} is no SSP package: {error}") from error
+        _unpacked[identity] = folder
+    return folder
+
+
+class _Reader:
+    def __init__(self, path: Path, folder: Path, root: Element) -> None:
+        self.path = path
+        self.folder = folder
+        self.root = root
+        self.units = units_of(root.find("ssd:Units", NAMESPACES))
+        self.fmus: dict[str, Fmu] = {}
+        self.start: dict[str, dict[str, Value]] = {}
+        # connectors by owner ("" the top system, names joined by _) and name
+        self.kinds: dict[tuple[str, str], str] = {}
+        self.links: list[tuple[tuple[str, str], tuple[str, str], float, float, bool]] = []
+        self.bindings: list[tuple[str, Element, bool]] = []
+        self.system_inputs: dict[tuple[str, str], list[tuple[str, str]]] = {}
+
+    def scene(self, system: Element) -> Scene:
+        self._system(system, "")
+        settings = self._settings()
+        start, stop = self._times()
+        scene = Scene(
+            self.root.get("name", self.path.stem),
+            self.root.get("description", ""),
+            start_time=start,
+            stop_time=stop,
+            step=float(settings.get("step") or self._step(start, stop)),
+            algorithm=settings.get("algorithm", "gauss_seidel"),
+            order=settings.get("order"),
+            groups=settings.get("groups"),
+            loop_tolerance=settings.get("loop_tolerance"),
+            tolerance=settings.get("tolerance"),
+            record_every=settings.get("record_every", 1),
+            adaptive=Adaptive(**settings["adaptive"]) if "adaptive" in settings else None,
+            needs=settings.get("needs"),
+        )
+        scene.folder = self.folder
+        self._parameters()
+        feedthrough = settings.get("feedthrough", {})
+        for name, fmu in self.fmus.items():
+            taken = feedthrough.get(name)
+            if taken is None and fmu.outputs and fmu.undeclared.issuperset(fmu.outputs):
+                taken = False
+            scene.add(name, fmu.path, self.start[name], feedthrough=taken)
+        self._connect(scene)
+        self._inputs(scene)
+        for (owner, name), kind in self.kinds.items():
+            if owner in self.fmus and kind == "output":
+                scene.record(f"{owner}.{name}")
+        return scene
+
+    # structure
+
+    def _system(self, system: Element, owner: str) -> None:
+        self._element(system, owner, False)
+        for child in system.findall("ssd:Elements/*", NAMESPACES):
+            name = child.get("name", "")
+            inner = (f"{owner}_{name}" if owner else name).replace(".", "_")
+            kind = child.tag.rpartition("}")[2]
+            if kind == "System":
+                self._system(child, inner)
+            elif kind == "Component":
+                self._component(child, inner)
+            else:
+                raise CurveboundError(
+                    f"{self.path}: element {name} is a {kind}, which cannot be read; "
+                    "connect the components directly"
+                )
+        for connection in system.findall("ssd:Connections/ssd:Connection", NAMESPACES):
+            self._connection(connection, owner)
+
+    def _element(self, element: Element, owner: str, is_component: bool) -> None:
+        for connector in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES):
+            self.kinds[owner, connector.get("name", "")] = connector.get("kind", "inout")
+        for binding in element.findall("ssd:ParameterBindings/ssd:ParameterBinding", NAMESPACES):
+            self.bindings.append((owner, binding, is_component))
+
+    def _component(self, component: Element, name: str) -> None:
+        source = unquote(component.get("source", ""))
+        kind = component.get("type", "application/x-fmu-sharedlibrary")
+        if kind != "application/x-fmu-sharedlibrary":
+            raise CurveboundError(
+                f"{self.path}: component {name} is of type {kind}; only FMUs can be read"
+            )
+        file = (self.folder / source).resolve()
+        if not file.is_relative_to(self.folder.resolve()):
+            raise CurveboundError(f"{self.path}: the source {source} of {name} leaves the package")
+        if name in self.fmus:
+            raise CurveboundError(f"{self.path}: two components come to the name {name}")
+        self.fmus[name] = read_fmu(file)
+        self.start[name] = {}
+        self._element(component, name, True)
+
+    def _connection(self, connection: Element, owner: str) -> None:
+        ends = []
+        for end in ("start", "end"):
+            element = connection.get(end + "Element")
+            inner = owner
+            if element is not None:
+                inner = (f"{owner}_{element}" if owner else element).replace(".", "_")
+            port = (inner, connection.get(end + "Connector", ""))
+            if port not in self.kinds:
+                raise CurveboundError(
+                    f"{self.path}: a connection names {inner or 'the system'}.{port[1]}, "
+                    "which is no connector"
+                )
+            # what an inner system or component puts out is a source, what its own system takes in
+            gives = self.kinds[port] in ("output", "calculatedParameter")
+            ends.append((port, gives if element is not None else not gives))
+        (first, first_gives), (second, second_gives) = ends
+        if first_gives == second_gives:
+            raise CurveboundError(
+                f"{self.path}: the connection of {'.'.join(first)} and {'.'.join(second)} has "
+                "no direction: " + ("both give" if first_gives else "both take") + " a value"
+            )
+        source, target = (first, second) if first_gives else (second, first)
+        transformation = connection.find("ssc:LinearTransformation", NAMESPACES)
+        factor, offset = 1.0, 0.0
+        if transformation is not None:
+            factor = float(transformation.get("factor", "1"))
+            offset = float(transformation.get("offset", "0"))
+        else:
+            for kind in ("BooleanMapping", "IntegerMapping", "EnumerationMapping"):
+                if connection.find(f"ssc:{kind}Transformation", NAMESPACES) is not None:
+                    raise CurveboundError(
+                        f"{self.path}: a {kind}Transformation of a connection cannot be read"
+                    )
+        suppress = connection.get("suppressUnitConversion") in ("true", "1")
+        self.links.append((source, target, factor, offset, suppress))
+
+    def _connect(self, scene: Scene) -> None:
+        """Follow each component's input through systems to the output that drives it."""
+        into = {target: (source, f, o, s) for source, target, f, o, s in self.links}
+        for target in [t for t in into if t[0] in self.fmus]:
+            if self.kinds[target] == "parameter":
+                self._parameter_link(target, into)
+                continue
+            source, factor, offset, suppress = target, 1.0, 0.0, False
+            while source in into:
+                source, f, o, s = into[source]
+                factor, offset, suppress = f * factor, o * factor + offset, suppress or s
+            if source[0] not in self.fmus:
+                self.system_inputs.setdefault(source, []).append(target)
+                continue
+            a = self.fmus[source[0]].variables.get(source[1])
+            b = self.fmus[target[0]].variables.get(target[1])
+            given: float | None = factor
+            if a is not None and b is not None and a.dimension and b.dimension and not suppress:
+                if a.dimension[:8] == b.dimension[:8]:
+                    ratio = a.dimension[8] / b.dimension[8]
+                    shift = (a.dimension[9] - b.dimension[9]) / b.dimension[8]
+                    factor, offset = factor * ratio, offset + factor * shift
+                    given = factor
+                elif (factor, offset) == (1.0, 0.0):
+                    given = None  # let the scene's check complain
+            scene.connect(".".join(source), ".".join(target), given, offset)
+
+    def _parameter_link(self, target: tuple[str, str], into: dict[Any, Any]) -> None:
+        source = target
+        while source in into:
+            source = into[source][0]
+        if source[0] in self.fmus:
+            raise CurveboundError(
+                f"{self.path}: {'.'.join(source)} sets the parameter {'.'.join(target)}; "
+                "parameters cannot be connected here, give the value instead"
+            )
+
+    # values
+
+    def _parameters(self) -> None:
+        """Apply bindings: inner ones first, so that those of an enclosing system prevail."""
+        outward: dict[tuple[str, str], list[tuple[tuple[str, str], float, float]]] = {}
+        for source, target, factor, offset, _ in self.links:
+            outward.setdefault(source, []).append((target, factor, offset))
+        ordered = sorted(self.bindings, key=lambda b: (not b[2], -b[0].count("_") if b[0] else 1))
+        for owner, binding, is_component in ordered:
+            for parameter in bound_values(binding, self.folder, self.path):
+                self._apply(owner, parameter, is_component, outward)
+
+    def _apply(
+        self, owner: str, parameter: Parameter, is_component: bool, outward: dict[Any, Any]
+    ) -> None:
+        if is_component:
+            self._give(owner, parameter.name, parameter)
+            return
+        ports = [(owner, parameter.name)]
+        if ports[0] in self.kinds:  # a connector of the system: down to what it is joined to
+            while ports:
+                port = ports.pop()
+                if port[0] in self.fmus:
+                    self._give(port[0], port[1], parameter)
+                ports += [target for target, _, _ in outward.get(port, ())]
+            return
+        prefix = f"{owner}_" if owner else ""
+        words = parameter.name.split(".")
+        for n in range(1, len(words)):
+            name = prefix + "_".join(words[:n])
+            if name in self.fmus:
+                self._give(name, ".".join(words[n:]), parameter)
+                return
+        raise CurveboundError(
+            f"{self.path}: the parameter {parameter.name} of {owner or 'the system'} belongs to "
+            "no component"
+        )
+
+    def _give(self, component: str, name: str, parameter: Parameter) -> None:
+        variable = self.fmus[component].variables.get(name)
+        value: Value = parameter.value
+        if variable is not None and parameter.unit and variable.dimension:
+            of = parameter.units.get(parameter.unit) or self.units.get(parameter.unit)
+            if of is not None and parameter.unit != variable.unit:
+                if of[:8] != variable.dimension[:8]:
+                    raise CurveboundError(
+                        f"{self.path}: {component}.{name} is given in {parameter.unit} and has "
+                        f"the unit {variable.unit}"
+                    )
+                base = float(value) * of[8] + of[9]
+                value = (base - variable.dimension[9]) / variable.dimension[8]
+        self.start[component][name] = value
+
+    def _inputs(self, scene: Scene) -> None:
+        table = self.folder / "resources" / "inputs.csv"
+        if not table.is_file():
+            return
+        data = read_csv(table)
+        for (_, name), targets in self.system_inputs.items():
+            if name in (data.dtype.names or ()):
+                for target in targets:
+                    scene.input(".".join(target), (data["time"], data[name]))
+
+    # experiment
+
+    def _settings(self) -> dict[str, Any]:
+        for annotation in self.root.iter(f"{{{NAMESPACES['ssc']}}}Annotation"):
+            if annotation.get("type") == ANNOTATION:
+                text = annotation.findtext("cvb:Scene", "{}", NAMESPACES)
+                loaded: dict[str, Any] = json.loads(text)
+                return loaded
+        return {}
+
+    def _times(self) -> tuple[float, float]:
+        experiment = self.root.find("ssd:DefaultExperiment", NAMESPACES)
+        start = stop = None
+        if experiment is not None:
+            start, stop = experiment.get("startTime"), experiment.get("stopTime")
+        begin = float(start) if start is not None else 0.0
+        if stop is not None:
+            return begin, float(stop)
+        ends = [fmu.stop_time for fmu in self.fmus.values() if fmu.stop_time is not None]
+        return begin, max(ends, default=begin + 1.0)
+
+    def _step(self, start: float, stop: float) -> float:
+        fixed = self.root.find(".//osp:FixedStepAlgorithm", NAMESPACES)
+        if fixed is not None and fixed.get("baseStepSize"):
+            return float(fixed.get("baseStepSize", ""))
+        steps = [fmu.step for fmu in self.fmus.values() if fmu.step]
+        return min(steps, default=(stop - start) / 1000.0)

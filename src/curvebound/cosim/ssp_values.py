@@ -1,0 +1,108 @@
+"""Parameter values of SSP packages: .ssv and .ssm content, inline or in files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+from ..errors import CurveboundError
+from .fmu import Value
+from .ssp import NAMESPACES
+
+__all__ = ["Parameter", "bound_values", "units_of"]
+
+Element = ElementTree.Element
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A value with its name, its unit (None: that of the variable) and the units of its file."""
+
+    name: str
+    value: Value
+    unit: str | None = None
+    units: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+
+def units_of(element: Element | None) -> dict[str, tuple[float, ...]]:
+    """Units by name, as exponents of kg m s A K mol cd rad, then factor and offset."""
+    found: dict[str, tuple[float, ...]] = {}
+    for unit in () if element is None else element.findall("ssc:Unit", NAMESPACES):
+        base = unit.find("ssc:BaseUnit", NAMESPACES)
+        if base is not None:
+            names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+            exponents = [float(base.get(name, "0")) for name in names]
+            ends = [float(base.get("factor", "1")), float(base.get("offset", "0"))]
+            found[unit.get("name", "")] = (*exponents, *ends)
+    return found
+
+
+def bound_values(binding: Element, folder: Path, package: Path) -> list[Parameter]:
+    """The parameters that one ParameterBinding gives, mapped, with its prefix before the names."""
+    source = binding.get("source")
+    sets: list[Element]
+    if source is not None:
+        sets = [_parse(folder, source, package)]
+    else:
+        sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
+    values = [parameter for one in sets for parameter in _values(one)]
+    for mapping in binding.findall("ssd:ParameterMapping", NAMESPACES):
+        file = mapping.get("source")
+        entries = (
+            _parse(folder, file, package)
+            if file is not None
+            else mapping.find("ssm:ParameterMapping", NAMESPACES)
+        )
+        if entries is not None:
+            values = _mapped(values, entries, package)
+    prefix = binding.get("prefix", "")
+    return [replace(parameter, name=prefix + parameter.name) for parameter in values]
+
+
+def _parse(folder: Path, source: str, package: Path) -> Element:
+    file = (folder / unquote(source)).resolve()
+    if not file.is_relative_to(folder.resolve()) or not file.is_file():
+        raise CurveboundError(f"{package} has no file {source}, which it binds as parameters")
+    try:
+        return ElementTree.parse(file).getroot()
+    except ElementTree.ParseError as error:
+        raise CurveboundError(f"{package}: {source} is no XML: {error}") from error
+
+
+def _values(parameter_set: Element) -> list[Parameter]:
+    units = units_of(parameter_set.find("ssv:Units", NAMESPACES))
+    found = []
+    for parameter in parameter_set.findall("ssv:Parameters/ssv:Parameter", NAMESPACES):
+        for typed in parameter:
+            kind = typed.tag.rpartition("}")[2]
+            if kind not in ("Real", "Integer", "Boolean", "String", "Enumeration"):
+                continue
+            text = typed.get("value", "")
+            value: Value = float(text) if kind == "Real" else text
+            found.append(Parameter(parameter.get("name", ""), value, typed.get("unit"), units))
+    return found
+
+
+def _mapped(values: list[Parameter], mapping: Element, package: Path) -> list[Parameter]:
+    """Only what is mapped is applied (SSP 1.0, section 4.5.2.2)."""
+    by_name = {parameter.name: parameter for parameter in values}
+    mapped = []
+    for entry in mapping.findall("ssm:MappingEntry", NAMESPACES):
+        parameter = by_name.get(entry.get("source", ""))
+        if parameter is None:
+            continue
+        transformation = entry.find("ssc:LinearTransformation", NAMESPACES)
+        value = parameter.value
+        unit = parameter.unit
+        if transformation is not None:
+            factor = float(transformation.get("factor", "1"))
+            value = factor * float(value) + float(transformation.get("offset", "0"))
+        elif len(entry):
+            kind = entry[0].tag.rpartition("}")[2]
+            raise CurveboundError(f"{package}: a {kind} of a parameter cannot be read")
+        if entry.get("suppressUnitConversion") in ("true", "1"):
+            unit = None
+        mapped.append(replace(parameter, name=entry.get("target", ""), value=value, unit=unit))
+    return mapped
