@@ -5,7 +5,7 @@
  * CATEGORY TEXT". Names (F a binary, I an instance, S a state, B bytes) are single digits.
  *
  *   load F PATH            unload F
- *   new I F NAME GUID URI LOGGING      (GUID and URI may be NULL)
+ *   new I F NAME GUID URI LOGGING      (NAME, GUID and URI may be NULL or EMPTY)
  *   free I    enter I    exit I    terminate I    reset I    cancel I
  *   setup I TOLERANCE START STOP       (- for a tolerance or stop time that is not defined)
  *   debug I ON CATEGORY...
@@ -52,6 +52,22 @@ static void on_log(void *environment, fmi2String instance, fmi2Status status, fm
     printf("\n");
 }
 
+/* One answer, put together here so that log messages come out before it. */
+static char answer[1 << 16];
+static size_t answered;
+
+static void say(const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    answered += (size_t)vsnprintf(answer + answered, sizeof answer - answered, format, list);
+    va_end(list);
+    if (answer[answered - 1] == '\n') {
+        fputs(answer, stdout);
+        answered = 0;
+    }
+}
+
 /* The struct is overwritten after every fmi2Instantiate: the standard does not say that it lives on. */
 static fmi2CallbackFunctions callbacks(void)
 {
@@ -59,9 +75,9 @@ static fmi2CallbackFunctions callbacks(void)
     return c;
 }
 
-static fmi2String or_null(char *word)
+static fmi2String text(char *word)
 {
-    return strcmp(word, "NULL") == 0 ? NULL : word;
+    return strcmp(word, "NULL") == 0 ? NULL : strcmp(word, "EMPTY") == 0 ? "" : word;
 }
 
 static fmi2Component create(Fmu *f, char *name, char *guid, char *uri, int logging)
@@ -72,7 +88,7 @@ static fmi2Component create(Fmu *f, char *name, char *guid, char *uri, int loggi
     snprintf(copies[1], 4096, "%s", guid);
     snprintf(copies[2], 4096, "%s", uri);
     fmi2Component i =
-        f->Instantiate(or_null(copies[0]), 1, or_null(copies[1]), or_null(copies[2]), &c, 0, logging);
+        f->Instantiate(text(copies[0]), 1, text(copies[1]), text(copies[2]), &c, 0, logging);
     memset(&c, 0x5A, sizeof c);
     memset(copies, 0x5A, sizeof copies);
     return i;
@@ -125,12 +141,12 @@ static void parallel(Fmu *f, int count, int steps, char *guid, char *uri, fmi2Va
         jobs[k] = (Job){f, guid, uri, steps, k, vr, 0, fmi2OK};
         pthread_create(&threads[k], NULL, work, &jobs[k]);
     }
-    printf("=");
+    say("=");
     for (int k = 0; k < count && k < 64; k++) {
         pthread_join(threads[k], NULL);
-        printf(" %s %.17g", NAMES[jobs[k].status], jobs[k].value);
+        say(" %s %.17g", NAMES[jobs[k].status], jobs[k].value);
     }
-    printf("\n");
+    say("\n");
 }
 
 /* -- memory -- */
@@ -155,12 +171,12 @@ static void churn(Fmu *f, int count, char *guid, char *uri)
             before = resident();
         fmi2Component i = create(f, "one", guid, uri, 0);
         if (!i) {
-            printf("= Error %d\n", k);
+            say("= Error %d\n", k);
             return;
         }
         f->FreeInstance(i);
     }
-    printf("= OK %.1f\n", (resident() - before) / count);
+    say("= OK %.1f\n", (resident() - before) / count);
 }
 
 /* -- what must be refused -- */
@@ -169,8 +185,8 @@ static void misuse(Fmu *f, fmi2Component i)
 {
     fmi2ValueReference vr = 0;
     double real = 0;
-    printf("=");
-#define TELL(call) printf(" %s", NAMES[call])
+    say("=");
+#define TELL(call) say(" %s", NAMES[call])
     TELL(f->GetReal(i, NULL, 1, &real));
     TELL(f->GetReal(i, &vr, 1, NULL));
     TELL(f->GetReal(i, &vr, SIZE_MAX, &real));
@@ -189,11 +205,11 @@ static void misuse(Fmu *f, fmi2Component i)
     TELL(f->GetStatus(i, 0, NULL));
     TELL(f->GetRealStatus(i, 2, NULL));
     TELL(f->GetRealStatus(i, 17, &real));
-    printf(" |"); /* harmless */
+    say(" |"); /* harmless */
     TELL(f->GetReal(i, NULL, 0, NULL));
     TELL(f->SetReal(i, NULL, 0, NULL));
     TELL(f->FreeFMUstate(i, NULL));
-    printf("\n");
+    say("\n");
 }
 
 static void strange(Fmu *f)
@@ -203,7 +219,7 @@ static void strange(Fmu *f)
     double real = 0;
     fmi2FMUstate state = NULL;
     some[6] = instances[0]; /* of another FMU, or freed */
-    printf("=");
+    say("=");
     for (int k = 0; k < 7; k++) {
         TELL(f->GetReal(some[k], &vr, 1, &real));
         TELL(f->SetReal(some[k], &vr, 1, &real));
@@ -215,7 +231,7 @@ static void strange(Fmu *f)
         TELL(f->SetDebugLogging(some[k], 1, 0, NULL));
         f->FreeInstance(some[k]);
     }
-    printf("\n");
+    say("\n");
 }
 
 /* -- commands -- */
@@ -236,7 +252,7 @@ static void values(const char *command, fmi2Component i, Fmu *f, char **word, in
         if (setting && ++k < n) {
             real[m] = strtod(word[k], NULL);
             integer[m] = atoi(word[k]);
-            string[m] = or_null(word[k]);
+            string[m] = text(word[k]);
         }
     }
     if (type == 'i')
@@ -245,16 +261,16 @@ static void values(const char *command, fmi2Component i, Fmu *f, char **word, in
         status = setting ? f->SetString(i, vr, (size_t)m, string) : f->GetString(i, vr, (size_t)m, string);
     else
         status = setting ? f->SetReal(i, vr, (size_t)m, real) : f->GetReal(i, vr, (size_t)m, real);
-    printf("= %s", NAMES[status]);
+    say("= %s", NAMES[status]);
     for (int k = 0; k < m && !setting; k++) {
         if (type == 'i')
-            printf(" %d", integer[k]);
+            say(" %d", integer[k]);
         else if (type == 's')
-            printf(" %s", string[k]);
+            say(" %s", string[k]);
         else
-            printf(" %.17g", real[k]);
+            say(" %.17g", real[k]);
     }
-    printf("\n");
+    say("\n");
 }
 
 static void command(char **word, int n)
@@ -291,7 +307,7 @@ static void command(char **word, int n)
     } else if (IS("cut", 3)) {
         lengths[a] = strtoul(word[2], NULL, 10);
     } else if (IS("length", 2)) {
-        printf("= OK %zu\n", lengths[a]);
+        say("= OK %zu\n", lengths[a]);
         return;
     } else if (!f) {
         status = fmi2Error; /* an instance that was never made */
@@ -345,34 +361,34 @@ static void command(char **word, int n)
         double time = -1;
         int integer = -1, terminated = -1;
         fmi2String text = "?";
-        printf("= %s", NAMES[f->GetStatus(i, 0, &last)]);
-        printf(" %s", NAMES[last]);
+        say("= %s", NAMES[f->GetStatus(i, 0, &last)]);
+        say(" %s", NAMES[last]);
         TELL(f->GetRealStatus(i, 2, &time));
-        printf(" %.17g", time);
+        say(" %.17g", time);
         TELL(f->GetIntegerStatus(i, 0, &integer));
         TELL(f->GetBooleanStatus(i, 3, &terminated));
-        printf(" %d", terminated);
+        say(" %d", terminated);
         TELL(f->GetStringStatus(i, 1, &text));
-        printf(" '%s'\n", text);
+        say(" '%s'\n", text);
         return;
     } else if (IS("derivatives", 2)) {
         fmi2ValueReference vr = 0;
         int order = 1;
         double value = 1;
-        printf("=");
+        say("=");
         TELL(f->SetRealInputDerivatives(i, &vr, 1, &order, &value));
         TELL(f->GetRealOutputDerivatives(i, &vr, 1, &order, &value));
         TELL(f->GetDirectionalDerivative(i, &vr, 1, &vr, 1, &value, &value));
-        printf("\n");
+        say("\n");
         return;
     } else if (IS("misuse", 2)) {
         misuse(f, i);
         return;
     } else {
-        printf("? %s\n", word[0]);
+        say("? %s\n", word[0]);
         exit(2);
     }
-    printf("= %s\n", NAMES[status]);
+    say("= %s\n", NAMES[status]);
 }
 
 int main(void)
