@@ -321,3 +321,12 @@ def test_long_times_sample_at_multiples_not_sums() -> None:
         law.advance(1e6 + i * 2.5e-4, 2.5e-4)
     # held since 1e6 + 0.249, or sampled at 1e6 + 0.25, which the point now is
     assert read(law)[0] == pytest.approx(math.sin(math.pi / 8.0), abs=1e-9)
+
+
+def test_time_rounds_coarser_than_the_period_is_fine() -> None:
+    origin, period = 1e6, 2e-5
+    law = drive(feedback_slider_u=1.0, sample_period=period, time=origin)
+    for i in range(200):
+        measure(law, float(i))
+        assert read(law)[0] == -float(i - i % 2)
+        law.advance(origin + i * 1e-5, 1e-5)

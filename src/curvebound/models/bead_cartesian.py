@@ -168,19 +168,13 @@ class BeadCartesian(BeadBase):
         self.last_spin = spin
 
     def count_turns(self, h: float, x: float, y: float, spin: float) -> None:
-        """Turns of a large step: those nearest to the corrected trapezoidal rule for the rate."""
+        """Count the turns of a large step: those nearest to the mean of its two rates."""
         old_x = self.last_x
         old_y = self.last_y
-        old_pp = old_x * old_x + old_y * old_y
-        pp = x * x + y * y
-        old_rate = self.last_spin / old_pp
-        rate = spin / pp
-        old_change = (self.ey * old_x - self.ex * old_y) / old_pp - self.k * old_rate
-        change = (self.ey * x - self.ex * y) / pp - self.k * rate
-        advance = h * (0.5 * (old_rate + rate) + h * (old_change - change) / 12.0)
+        rates = self.last_spin / (old_x * old_x + old_y * old_y) + spin / (x * x + y * y)
         old_angle = math.atan2(old_x + 0.0, -old_y)
         angle = math.atan2(x + 0.0, -y)
-        self.turns += float(math.floor((old_angle + advance - angle) / TURN + 0.5))
+        self.turns += float(math.floor((old_angle + 0.5 * h * rates - angle) / TURN + 0.5))
 
     def advance_frame(self, duration: float) -> None:
         if self.moving:
