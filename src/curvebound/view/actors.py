@@ -94,7 +94,7 @@ def missing(data: NDArray[Any]) -> str:
     have = {split_name(column)[1] for column in data.dtype.names or ()}
     said = []
     for kind, words in ((BEAD, "a bead on a wire"), (PENDULUM, "a pendulum on a parabola")):
-        best = max(_NEEDED[kind], key=lambda need: len(have & set(need)) / len(need))
+        best = max(_NEEDED[kind], key=lambda need: (len(have & set(need)) / len(need), -len(need)))
         lack = [name for name in best if name not in have]
         there = [name for name in best if name in have]
         part = f"{words} needs {' and '.join(best)}"

@@ -11,7 +11,8 @@ __all__ = ["Box", "box_of", "common_samples", "distances", "follows_frame"]
 Box = tuple[float, float, float, float]  # left, bottom, right, top, in m
 
 _MARGIN = 0.12  # of a size, around everything
-_BLOWN_UP = 6.0  # times the middle 90 % of the positions: beyond that a run has left the picture
+_BLOWN_UP = 6.0  # times the middle 80 % of the positions: beyond that a run has left the picture
+_ALWAYS_SHOWN = 3.0  # sizes beyond the middle: a start from which all comes to rest stays in it
 _LEAST_COMMON = 50
 
 
@@ -21,7 +22,7 @@ def distances(
     """Distance in m between the points of two actors of one kind: (time, [(point, distance)]).
 
     Taken at the sample times that both have, where these are many enough, so that no
-    interpolation adds to it; else `other` is interpolated (cubic) at the times of `first`.
+    interpolation adds to it; else `other` is interpolated at the times of `first`.
     """
     mine, theirs = common_samples(first_time, other_time)
     enough = min(_LEAST_COMMON, max(1, min(len(first_time), len(other_time)) // 2))
@@ -37,7 +38,8 @@ def distances(
         (
             name,
             np.hypot(
-                x[inside] - _cubic(other_time, ox, times), y[inside] - _cubic(other_time, oy, times)
+                x[inside] - _between(other_time, ox, times),
+                y[inside] - _between(other_time, oy, times),
             ),
         )
         for (name, x, y), (_, ox, oy) in pairs
@@ -58,19 +60,22 @@ def common_samples(
     return mine, nearest[mine]
 
 
-def _cubic(time: Floats, values: Floats, at: Floats) -> Floats:
-    """Cubic Hermite interpolation with slopes from finite differences (Catmull and Rom, 1974)."""
+def _between(time: Floats, values: Floats, at: Floats) -> Floats:
+    """Interpolation by the polynomial through the nearest six samples (Lagrange)."""
     once = np.concatenate(([True], np.diff(time) > 0.0))  # of samples at one time, the first
     time, values = time[once], values[once]
-    if len(time) < 3:
-        return np.interp(at, time, values)
-    slopes = np.gradient(values, time)
-    i = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
-    h = time[i + 1] - time[i]
-    s = (at - time[i]) / h
-    keep, rest = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s)
-    bend = h * s * (1.0 - s) * ((1.0 - s) * slopes[i] - s * slopes[i + 1])
-    return np.asarray(keep * values[i] + rest * values[i + 1] + bend)
+    points = min(6, len(time))
+    first = np.searchsorted(time, at, side="right") - points // 2
+    nodes = np.clip(first, 0, len(time) - points)[:, None] + np.arange(points)
+    t = time[nodes]
+    total = np.zeros(len(at))
+    for i in range(points):
+        weight = np.ones(len(at))
+        for k in range(points):
+            if k != i:
+                weight *= (at - t[:, k]) / (t[:, i] - t[:, k])
+        total += weight * values[nodes[:, i]]
+    return total
 
 
 def box_of(actors: list[Actor], *, relative: bool = False) -> Box:
@@ -98,14 +103,14 @@ def _box(actor: Actor, relative: bool) -> Box:
     zero = np.zeros(1)
     frame_x, frame_y = (zero, zero) if relative else (places["frame_x"], places["frame_y"])
     shift_x, shift_y = (places["frame_x"], places["frame_y"]) if relative else (zero, zero)
-    horizontal, vertical = [_extent(frame_x)], [_extent(frame_y)]
+    horizontal, vertical = [_extent(frame_x, actor.size)], [_extent(frame_y, actor.size)]
     if actor.kind == BEAD:
         for extents in (horizontal, vertical):
             low, high = extents[0]
             extents.append((low - actor.size, high + actor.size))
     for _, x, y in actor.points():
-        horizontal.append(_extent(x - shift_x))
-        vertical.append(_extent(y - shift_y))
+        horizontal.append(_extent(x - shift_x, actor.size))
+        vertical.append(_extent(y - shift_y, actor.size))
     margin = _MARGIN * actor.size
     return (
         min(low for low, _ in horizontal) - margin,
@@ -115,13 +120,11 @@ def _box(actor: Actor, relative: bool) -> Box:
     )
 
 
-def _extent(values: Floats) -> tuple[float, float]:
+def _extent(values: Floats, size: float) -> tuple[float, float]:
     """Least and greatest of `values`, unless these lie far outside the middle of them."""
     good = values[np.isfinite(values)]
     if not good.size:
         return 0.0, 0.0
-    low, inner_low, inner_high, high = np.percentile(good, (0.0, 5.0, 95.0, 100.0))
-    reach = _BLOWN_UP * (inner_high - inner_low)
-    if reach > 0.0:
-        low, high = max(low, inner_low - reach), min(high, inner_high + reach)
-    return float(low), float(high)
+    low, inner_low, inner_high, high = np.percentile(good, (0.0, 10.0, 90.0, 100.0))
+    reach = max(_BLOWN_UP * (inner_high - inner_low), _ALWAYS_SHOWN * size)
+    return float(max(low, inner_low - reach)), float(min(high, inner_high + reach))

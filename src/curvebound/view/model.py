@@ -194,6 +194,8 @@ def _plots(
                 if bodies and (id(result), prefix) not in bodies and name not in _DRIVES:
                     continue
                 one = _series(result, number, label, name, column, packer)
+                if packer.blank(one["values"]):
+                    continue
                 if not any(one["values"] == other["values"] and one["time"] == other["time"]
                            and one["label"] == other["label"] and one["actor"] == other["actor"]
                            for other in series):  # fmt: skip
@@ -268,8 +270,7 @@ def _others(shown: list[_Shown], packer: Packer, notes: list[str]) -> list[dict[
             plot = plots.setdefault(
                 column, {"title": column, "unit": "", "shown": False, "error": False, "series": []}
             )
-            one = _series(result, mine, result.label, column, column, packer)
-            plot["series"].append(one)
+            plot["series"].append(_series(result, mine, result.label, column, column, packer))
     if left:
         notes.append(f"{left} more columns are not offered as plots.")
     if not any(result.actors for result in shown):

@@ -23,6 +23,7 @@ _SIGNAL_BYTES = 3
 _TIME_BYTES = 5
 _ORDERS = 4
 _UNEVEN = 1e4
+_BEYOND = 1e300  # where differences would overflow
 
 
 class Packer:
@@ -34,12 +35,16 @@ class Packer:
         self._known: dict[tuple[bytes, str], int] = {}
 
     def signal(self, values: NDArray[np.float64], *, error: bool = False) -> int:
-        """Add a signal, any shape (n,); what is not finite reads back as NaN."""
+        """Add a signal, shape (n,); what is not finite, or beyond 1e300, reads back as NaN."""
         return self._add(values, "float" if error else "linear", _SIGNAL_BYTES)
 
     def time(self, values: NDArray[np.float64]) -> int:
         """Add the times of samples, ascending, in s."""
         return self._add(values, "linear", _TIME_BYTES)
+
+    def blank(self, channel: int) -> bool:
+        """Whether a channel holds no number at all."""
+        return "value" in self.channels[channel] and self.channels[channel]["value"] is None
 
     def base64(self) -> str:
         """Everything added so far, deflated (zlib, RFC 1950)."""
@@ -55,7 +60,7 @@ class Packer:
         return number
 
     def _encode(self, values: NDArray[np.float64], kind: str, width: int) -> dict[str, Any]:
-        finite = np.isfinite(values)
+        finite = np.abs(values) < _BEYOND
         channel: dict[str, Any] = {"samples": len(values)}
         if not finite.any():
             return {**channel, "kind": "constant", "value": None}

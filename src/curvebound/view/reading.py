@@ -139,7 +139,7 @@ def _table(
 ) -> tuple[NDArray[np.float64], list[str]]:
     """All samples, one row each."""
     body = lines[1:]
-    decimal_comma = delimiter != "," and "," in body[0]
+    decimal_comma = delimiter != "," and any("," in line for line in body)
     if not decimal_comma:
         try:
             table = np.loadtxt(body, delimiter=delimiter, ndmin=2, comments=None)

@@ -14,7 +14,15 @@ from .page import embedded_json, page
 
 __all__ = ["write_replay"]
 
-_SCRIPTS = ("data.js", "format.js", "scene.js", "plots.js", "player.js", "replay.js")
+_SCRIPTS = (
+    "data.js",
+    "format.js",
+    "scene.js",
+    "plots.js",
+    "player.js",
+    "controls.js",
+    "replay.js",
+)
 
 
 def write_replay(

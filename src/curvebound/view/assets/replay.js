@@ -57,7 +57,7 @@ class Page {
     if (model.actors.length) {
       this.scene = new Scene(get("scene"), model, channels, () => this.colours);
       this.buildLegend();
-      this.listenScene();
+      listenScene(this);
     } else {
       get("stage").hidden = true;
     }
@@ -308,7 +308,7 @@ class Page {
         this.scene.trail = Number(get("trail").value);
       }));
     }
-    document.addEventListener("keydown", (event) => this.key(event));
+    document.addEventListener("keydown", (event) => pressed(this, event));
     document.addEventListener("visibilitychange", () => player.anchor());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
   }
@@ -333,86 +333,6 @@ class Page {
   help() {
     const dialog = get("help");
     if (dialog.open) dialog.close(); else dialog.showModal();
-  }
-
-  key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const tag = event.target.tagName;
-    // Buttons, lists and boxes keep the keys that are theirs.
-    if (tag === "SELECT" || get("help").open) return;
-    if (event.key === " " && (tag === "BUTTON" || event.target.type === "checkbox")) return;
-    const { player } = this, big = Math.max(player.length / 100, 1e-9);
-    const actions = {
-      " ": () => player.toggle(), k: () => player.toggle(),
-      ArrowLeft: () => (event.shiftKey ? player.seek(player.time - big) : this.step(-1)),
-      ArrowRight: () => (event.shiftKey ? player.seek(player.time + big) : this.step(1)),
-      PageDown: () => player.seek(player.time + 10 * big),
-      PageUp: () => player.seek(player.time - 10 * big),
-      Home: () => player.seek(player.start), End: () => player.seek(player.end),
-      "[": () => this.faster(-1), "]": () => this.faster(1), 1: () => player.pace(1),
-      l: () => this.toggleLoop(), d: () => this.nextTheme(), "?": () => this.help(),
-      "<": () => this.zoomTime(0.5), ">": () => this.zoomTime(2),
-      a: () => this.setWindow(player.start, player.end),
-    };
-    if (this.scene) {
-      Object.assign(actions, {
-        f: () => this.look(() => this.scene.fit()), c: () => this.toggleFollow(),
-        t: () => this.nextTrail(),
-        "+": () => this.look(() => this.scene.zoomBy(1.4)),
-        "=": () => this.look(() => this.scene.zoomBy(1.4)),
-        "-": () => this.look(() => this.scene.zoomBy(1 / 1.4)),
-      });
-    }
-    const action = actions[event.key] ?? actions[event.key.toLowerCase()];
-    if (!action) return;
-    event.preventDefault();
-    action();
-  }
-
-  // Mouse: drag moves, ctrl and wheel zoom. Touch: two fingers move and zoom. A tap plays or pauses.
-  listenScene() {
-    const canvas = get("scene"), fingers = new Map();
-    let travelled = 0, most = 0;
-    const local = (event) => {
-      const box = canvas.getBoundingClientRect();
-      return [event.clientX - box.left, event.clientY - box.top];
-    };
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      if (!fingers.size) travelled = most = 0;
-      fingers.set(event.pointerId, local(event));
-      most = Math.max(most, fingers.size);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      const before = fingers.get(event.pointerId);
-      if (!before) return;
-      const now = local(event), dx = now[0] - before[0], dy = now[1] - before[1];
-      travelled += Math.hypot(dx, dy);
-      fingers.set(event.pointerId, now);
-      if (event.pointerType === "touch" && fingers.size < 2) return;
-      const others = [...fingers].filter(([id]) => id !== event.pointerId);
-      this.look(() => {
-        if (others.length) {
-          const [x, y] = others[0][1];
-          const grown = Math.hypot(now[0] - x, now[1] - y) / Math.hypot(before[0] - x, before[1] - y);
-          if (Number.isFinite(grown) && grown > 0) this.scene.zoomBy(grown, x, y);
-        } else this.scene.panBy(dx, dy);
-      });
-    });
-    const lift = (event) => {
-      fingers.delete(event.pointerId);
-      if (event.type === "pointerup" && !fingers.size && most === 1 && travelled < 6) {
-        this.player.toggle();
-      }
-    };
-    canvas.addEventListener("pointerup", lift);
-    canvas.addEventListener("pointercancel", lift);
-    canvas.addEventListener("dblclick", () => this.look(() => this.scene.fit()));
-    canvas.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && !event.metaKey) return;
-      event.preventDefault();
-      this.look(() => this.scene.zoomBy(Math.exp(-event.deltaY / 300), ...local(event)));
-    }, { passive: false });
   }
 
   // ---- look -------------------------------------------------------------------------------
