@@ -26,7 +26,7 @@ from .results import as_csv
 from .scene import Scene
 from .system import Port, System
 
-__all__ = ["ANNOTATION", "NAMESPACES", "write_ssp"]
+__all__ = ["ANNOTATION", "NAMESPACES", "PARAMETER_SET", "write_ssp"]
 
 _ROOT = "http://ssp-standard.org/SSP1/SystemStructure"
 NAMESPACES = {
@@ -38,6 +38,7 @@ NAMESPACES = {
     "cvb": "urn:curvebound:scene",
 }
 ANNOTATION = "curvebound.scene"
+PARAMETER_SET = "initialValues"  # one name for all: ecos is told the name of the set to apply
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # no time in the archive: the same scene gives the same bytes
 
 for _prefix, _uri in NAMESPACES.items():
@@ -58,13 +59,13 @@ def write_ssp(scene: Scene, path: Path | str) -> Path:
     for name, node in system.nodes.items():
         if node.start:
             values = [(key, node.fmu.variables[key], v) for key, v in node.start.items()]
-            files[f"resources/{name}.ssv"] = _parameter_set(name, values)
+            files[f"resources/{name}.ssv"] = _parameter_set(PARAMETER_SET, values)
     every = [
         (f"{name}.{key}", node.fmu.variables[key], value)
         for name, node in system.nodes.items()
         for key, value in node.start.items()
     ]
-    files["resources/parameters.ssv"] = _parameter_set("parameters", every)
+    files["resources/parameters.ssv"] = _parameter_set(PARAMETER_SET, every)
     if system.signals:
         files["resources/inputs.csv"] = _inputs(system)
     path.parent.mkdir(parents=True, exist_ok=True)
