@@ -174,10 +174,10 @@ def accuracy_section(settings: Settings, advance: Callable[[], object], folder: 
                 cost = costs[contender.name, level] = cost_at(measured, level)
                 row.append(None if cost is None else cost * 1e3)
             table.rows.append((contender.name, *row, min(error for _, error, _ in measured)))
-            every.rows += [
+            every.rows.extend(
                 (system, contender.tool, contender.method, contender.setting, s, error, cost * 1e3)
                 for s, error, cost in measured
-            ]
+            )
             failed = [s for s, error, _ in measured if error >= _FAILED]
             if failed and contender.tool == "heyoka":
                 listed = ", ".join(f"{s:.1e}" for s in failed)

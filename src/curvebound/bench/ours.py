@@ -92,7 +92,6 @@ class Loaded:
     description: Any = field(init=False)
     references: dict[str, int] = field(init=False)
     types: dict[str, str] = field(init=False)
-    types_by_reference: dict[int, str] = field(init=False)
 
     def __post_init__(self) -> None:
         from fmpy import read_model_description
@@ -101,7 +100,6 @@ class Loaded:
         variables = self.description.modelVariables
         self.references = {v.name: v.valueReference for v in variables}
         self.types = {v.name: v.type for v in variables}
-        self.types_by_reference = {v.valueReference: v.type for v in variables}
 
     @staticmethod
     def extract(name: str, path: Path, folder: Path) -> Loaded:

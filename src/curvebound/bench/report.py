@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
@@ -30,8 +31,18 @@ def _shown(cell: Cell) -> str:
     return str(cell)
 
 
+def _styled(title: str) -> RichTable:
+    return RichTable(
+        title=title or None,
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
+
+
 def _print_table(console: Console, table: Table) -> None:
-    shown = RichTable(title=table.title or None, title_justify="left", title_style="bold")
+    shown = _styled(table.title)
     for name, first in zip(table.columns, table.rows[0] if table.rows else (), strict=False):
         shown.add_column(name, justify="left" if isinstance(first, str) else "right")
     for row in table.rows:
@@ -40,7 +51,7 @@ def _print_table(console: Console, table: Table) -> None:
 
 
 def _print_targets(console: Console, targets: list[Target]) -> None:
-    shown = RichTable(title="Targets", title_justify="left", title_style="bold")
+    shown = _styled("Targets")
     shown.add_column("what")
     for name in ("target", "measured", "met"):
         shown.add_column(name, justify="right")

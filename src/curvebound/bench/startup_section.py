@@ -50,8 +50,8 @@ print(time.perf_counter() - begin)
 """
 
 
-def _python(code: str, **environment: str) -> tuple[float, list[float]]:
-    """Wall-clock time of a fresh interpreter that runs `code` (s), and the figures it printed."""
+def _python(code: str, **environment: str) -> tuple[float, str]:
+    """Wall-clock time of a fresh interpreter that runs `code` (s), and what it printed."""
     began = time.perf_counter()
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -64,7 +64,17 @@ def _python(code: str, **environment: str) -> tuple[float, list[float]]:
     if done.returncode:
         tail = "\n".join(done.stderr.splitlines()[-5:])
         raise CurveboundError(f"a start-up run failed (status {done.returncode}):\n{tail}")
-    return spent, [float(word) for word in done.stdout.split()]
+    return spent, done.stdout
+
+
+def _whole(code: str) -> list[float]:
+    """Wall-clock time of the interpreter's whole life (s)."""
+    return [_python(code)[0]]
+
+
+def _printed(code: str, **environment: str) -> list[float]:
+    """The times that `code` itself measured and printed (s)."""
+    return [float(word) for word in _python(code, **environment)[1].split()]
 
 
 def startup_section(settings: Settings, advance: Callable[[], object], folder: Path) -> Section:
@@ -76,35 +86,28 @@ def startup_section(settings: Settings, advance: Callable[[], object], folder: P
     except CurveboundError as error:
         section.notes.append(str(error))
     texts = {"root": _ROOT, "name": _NAME}
-    cached = _BUILD.format(**texts, folder=str(folder / "again"))
-    tasks: dict[str, Callable[[], list[float]]] = {
-        "Python itself": lambda: [_python("pass")[0]],
-        "import curvebound": lambda: [_python(f"import {_ROOT}")[0]],
-        "import curvebound.fmi.build": lambda: [_python(f"import {_ROOT}.fmi.build")[0]],
-        "curvebound --help": lambda: [
-            _python(f"from {_ROOT}.cli import main; main(['--help'])")[0]
-        ],
-        "build, cached": lambda: _python(cached)[1],
+    tasks: dict[str, tuple[Callable[[str], list[float]], str]] = {
+        "Python itself": (_whole, "pass"),
+        "import curvebound": (_whole, f"import {_ROOT}"),
+        "import curvebound.fmi.build": (_whole, f"import {_ROOT}.fmi.build"),
+        "curvebound list": (_whole, f"from {_ROOT}.cli import main; main(['list'])"),
+        "build, cached": (_printed, _BUILD.format(**texts, folder=str(folder / "again"))),
     }
     for side, loaded in sides.items():
         values = {**texts, "folder": str(loaded.folder)}
-        making = _INSTANTIATE.format(**values)
-        tasks[f"instantiate, first and second: {side}"] = lambda code=making: _python(code)[1]  # type: ignore[misc]
-        result = _FIRST_RESULT.format(**values)
-        tasks[f"process start to first result: {side}"] = lambda code=result: [_python(code)[0]]  # type: ignore[misc]
+        making, result = _INSTANTIATE.format(**values), _FIRST_RESULT.format(**values)
+        tasks[f"instantiate, first and second: {side}"] = (_printed, making)
+        tasks[f"process start to first result: {side}"] = (_whole, result)
     samples: dict[str, list[list[float]]] = {key: [] for key in tasks}
     for _ in range(settings.rounds):
-        for key, task in tasks.items():
-            try:
-                samples[key].append(task())
-            except CurveboundError as error:
-                section.notes.append(f"{key}: {error}")
+        for key, (measure, code) in tasks.items():
+            samples[key].append(measure(code))
             advance()
     table = Table("", ("what", "s", "again, s"), [])
     if not settings.quick:
         empty = folder / "empty cache"
         code = _BUILD.format(**texts, folder=str(folder / "cold"))
-        cold = _python(code, CURVEBOUND_CACHE=str(empty))[1][0]
+        cold = _printed(code, CURVEBOUND_CACHE=str(empty))[0]
         table.rows.append(("build, cold (one run)", cold, None))
         advance()
     for key, found in samples.items():

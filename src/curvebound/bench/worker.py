@@ -1,7 +1,9 @@
 """What the section size measures, one process each: python -m curvebound.bench.worker JSON.
 
-The argument is an object with name, folder (an extracted FMU), instances, steps; one JSON object is
-printed. Only the process that holds the instances can tell what they cost.
+The argument is an object with name, folder and reference (extracted FMUs), instances, steps; one
+JSON object is printed. Only the process that holds the instances can tell what they cost. Each piece
+of work is timed beside as many steps of one instance of the reference FMU, because processes that
+run one after the other meet a machine of different speed.
 """
 
 from __future__ import annotations
@@ -11,15 +13,19 @@ import ctypes
 import gc
 import json
 import os
+import statistics
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["instances", "steps"]
+__all__ = ["instances", "resident", "steps"]
 
 #: s
 _STEP = 1e-3
+#: communication steps between two looks at the clock
+_CHUNK = 500
 
 
 def resident() -> int:
@@ -36,70 +42,91 @@ def resident() -> int:
         return peak if sys.platform == "darwin" else peak * 1024
 
 
-def _another(loaded: Any, first: Any) -> Any:
-    """One more instance behind the library that `first` has loaded.
+class _Group:
+    """Instances of one FMU that step in turn; the first one has loaded the library.
 
-    fmpy's own object, with its 50 functions, is shared: only the FMU's share is to be seen.
+    The others share fmpy's own object with its 50 functions: only the FMU's share is to be seen.
     """
-    slave = copy.copy(first)
-    slave.instantiate()
-    loaded.begin(slave, {"solver.step": _STEP})
-    return slave
+
+    def __init__(self, loaded: Any) -> None:
+        self.loaded = loaded
+        self.members = [loaded.slave({"solver.step": _STEP})]
+        self.read = [
+            v.valueReference
+            for v in loaded.description.modelVariables
+            if v.causality == "output" and v.type == "Real"
+        ][:6]
+        self.done = 0
+
+    def add(self, count: int) -> None:
+        for _ in range(count):
+            slave = copy.copy(self.members[0])
+            slave.instantiate()
+            self.loaded.begin(slave, {"solver.step": _STEP})
+            self.members.append(slave)
+
+    def run(self, count: int) -> None:
+        """`count` communication steps by each instance."""
+        members, read = self.members, self.read
+        for i in range(self.done, self.done + count):
+            now = i * _STEP
+            for slave in members:
+                slave.doStep(now, _STEP)
+                slave.getReal(read)
+        self.done += count
 
 
-def instances(loaded: Any, count: int, steps: int) -> dict[str, float]:
-    """Bytes and seconds per instance of `count`, seconds per step when they step in turn."""
-    first = loaded.slave({"solver.step": _STEP})
-    read = [v.valueReference for v in loaded.description.modelVariables if v.causality == "output"]
-    reals = [vr for vr in read if loaded.types_by_reference[vr] == "Real"][:6]
+def _seconds(run: Callable[[], object]) -> float:
+    begin = time.process_time_ns()
+    run()
+    return (time.process_time_ns() - begin) * 1e-9
 
-    def warm(slave: Any, at: int) -> None:
-        for i in range(at, at + 20):
-            slave.doStep(i * _STEP, _STEP)
-            slave.getReal(reals)
 
-    for _ in range(5):
-        warm(_another(loaded, first), 0)
-    before = resident()
-    began = time.process_time_ns()
-    slaves = [_another(loaded, first) for _ in range(count)]
-    made = time.process_time_ns() - began
-    for slave in slaves:
-        warm(slave, 0)
-    grown = resident() - before
+def _compare(ours: _Group, reference: _Group, total: int) -> dict[str, float]:
+    """Seconds per step of `total` steps, and their ratio to the reference's, chunk by chunk."""
+    per_chunk = max(1, _CHUNK // len(ours.members))
+    steps = per_chunk * len(ours.members)
+    times: list[float] = []
+    ratios: list[float] = []
     gc.disable()
-    each = max(1, steps // count)
-    began = time.process_time_ns()
-    for i in range(20, 20 + each):
-        now = i * _STEP
-        for slave in slaves:
-            slave.doStep(now, _STEP)
-            slave.getReal(reals)
-    stepped = time.process_time_ns() - began
-    return {
-        "bytes": grown / count,
-        "instantiation": made * 1e-9 / count,
-        "step": stepped * 1e-9 / (each * count),
-    }
+    for _ in range(max(1, total // steps)):
+        mine = _seconds(lambda: ours.run(per_chunk))
+        other = _seconds(lambda: reference.run(steps))
+        times.append(mine / steps)
+        ratios.append(mine / other)
+    gc.enable()
+    return {"step": statistics.median(times), "ratio": statistics.median(ratios)}
 
 
-def steps(loaded: Any, count: int) -> dict[str, float]:
-    """Seconds per communication step of `count`, and bytes that the process has grown by."""
-    slave = loaded.slave({"solver.step": _STEP})
-    reals = [v.valueReference for v in loaded.description.modelVariables if v.causality == "output"]
-    reals = [vr for vr in reals if loaded.types_by_reference[vr] == "Real"][:6]
-    warm = 1000
-    for i in range(warm):
-        slave.doStep(i * _STEP, _STEP)
-        slave.getReal(reals)
-    before = resident()
-    gc.disable()
-    began = time.process_time_ns()
-    for i in range(warm, warm + count):
-        slave.doStep(i * _STEP, _STEP)
-        slave.getReal(reals)
-    spent = time.process_time_ns() - began
-    return {"step": spent * 1e-9 / count, "grown": float(resident() - before)}
+def instances(loaded: Any, other: Any, count: int, total: int, before: int) -> dict[str, float]:
+    """Bytes and seconds per instance of `count` more than `before`, and the cost of a step.
+
+    The instances before fill the holes that starting Python has left in memory.
+    """
+    reference, ours = _Group(other), _Group(loaded)
+    reference.run(_CHUNK)
+    ours.add(before)
+    ours.run(20)
+    start = resident()
+    made = _seconds(lambda: ours.add(count))
+    earlier, ours.members = ours.members[:-count], ours.members[-count:]
+    ours.done = 0
+    ours.run(20)
+    grown = resident() - start
+    outcome = _compare(ours, reference, total)
+    del earlier  # alive until here: their memory was not to be used again
+    return {"bytes": grown / count, "instantiation": made / count, **outcome}
+
+
+def steps(loaded: Any, other: Any, count: int) -> dict[str, float]:
+    """The cost of each of `count` communication steps, and the bytes the process grows by."""
+    reference, ours = _Group(other), _Group(loaded)
+    ours.run(_CHUNK)
+    reference.run(_CHUNK)
+    _compare(ours, reference, _CHUNK)
+    start = resident()
+    outcome = _compare(ours, reference, count)
+    return {**outcome, "grown": float(resident() - start)}
 
 
 def main() -> None:
@@ -108,10 +135,11 @@ def main() -> None:
 
     task = json.loads(sys.argv[1])
     loaded = Loaded(task["name"], Path(task["folder"]))
+    other = Loaded(task["name"], Path(task["reference"]))
     if "instances" in task:
-        outcome = instances(loaded, task["instances"], task["steps"])
+        outcome = instances(loaded, other, task["instances"], task["steps"], task["before"])
     else:
-        outcome = steps(loaded, task["steps"])
+        outcome = steps(loaded, other, task["steps"])
     print(json.dumps(outcome))
 
 
