@@ -21,6 +21,7 @@ from ..integrators.base import (
     Method,
 )
 from ..models.base import Law, Model
+from .watch import Watch
 
 __all__ = [
     "ERROR",
@@ -166,6 +167,7 @@ class Engine:
         self.members: list[list[int]] = []
         self.fresh: list[bool] = []
         self.feedthrough: list[int] = []
+        self.watch: Watch = Watch()
 
     # -- messages ----------------------------------------------------------------------------------
     def say(self, status: int, text: str) -> None:
@@ -202,6 +204,9 @@ class Engine:
     def advance(self, duration: float) -> str:
         """Advance the system; after a failure undo it and return the message."""
         raise NotImplementedError
+
+    def look(self) -> None:
+        """Warn of what the live error measures say."""
 
     def count_of(self, vr: int) -> int:
         """An Integer output."""
@@ -344,8 +349,8 @@ class Engine:
         for vr in range(table.first_input, table.first_output):
             if not abs(self.reals[vr]) <= LARGEST:
                 return (
-                    f"{self.value(vr)} is not a finite number of usable size: set input "
-                    f"{table.names[vr]} to a finite number"
+                    f"{self.value(vr)} cannot be used: set input {table.names[vr]} to a finite "
+                    f"number, at most {LARGEST!r} in size"
                 )
         if self.retuned:
             for vr in range(table.first_input):
@@ -461,8 +466,9 @@ class Engine:
 
     def unknown(self, vr: int, type_: str) -> None:
         """A value reference that does not belong to a variable of the type."""
+        number = vr if vr >= 0 else vr + 4294967296  # the wrapper passes it as a signed integer
         self.fail(
-            f"value reference {vr} is not a variable of type {type_}: "
+            f"value reference {number} is not a variable of type {type_}: "
             "use the value references of modelDescription.xml"
         )
 
@@ -530,6 +536,8 @@ class Engine:
         fresh = self.fresh
         for g in range(len(fresh)):
             fresh[g] = False
+        if self.watch.due():
+            self.look()
         return True
 
     # -- saved states ------------------------------------------------------------------------------
@@ -590,15 +598,20 @@ class PlantEngine(Engine):
         self.step: float = 0.0
         self.relative: float = 0.0
         self.max_steps: int = 0
+        self.look_at_drift: bool = False
+        self.look_at_linear: bool = False
+        #: J, at the first look
+        self.first_potential: float = math.nan
         super().__init__(table, guid)
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
         model = self.factory(choices)
         item = choices["solver.method"]
         if item == _EXACT and not model.is_linear:
+            remedy = "set model.fidelity = linear, or " if "model.fidelity" in choices else ""
             return (
-                "solver.method = exact needs the linear fidelity, whose solution is known: "
-                "set model.fidelity = linear, or choose another solver.method such as adaptive"
+                "solver.method = 6 (exact) needs a linear model, whose solution is known: "
+                f"{remedy}choose another solver.method such as 4 (adaptive)"
             )
         try:
             model.start(reals, choices)
@@ -610,6 +623,9 @@ class PlantEngine(Engine):
         self.relative = reals["solver.tolerance"]
         self.max_steps = choices["solver.max_steps"]
         self.grouped(model.OUTPUTS, model.FEEDTHROUGH)
+        self.look_at_drift = "constraint.drift" in model.OUTPUTS
+        self.look_at_linear = model.is_linear
+        self.first_potential = math.nan
         return (
             "" if self.finite() else "the initial state is not finite: choose smaller start values"
         )
@@ -670,6 +686,44 @@ class PlantEngine(Engine):
             method.set_state(memory)
         return message
 
+    def output(self, name: str) -> float:
+        """An output by name, brought up to date."""
+        vr = self.table.by_name[name]
+        group = self.groups[vr]
+        if not self.fresh[group]:
+            self.refresh(group)
+        return self.reals[vr]
+
+    def look(self) -> None:
+        watch = self.watch
+        said = ""
+        if not watch.said_energy:
+            potential = self.output("energy.potential")
+            if self.first_potential != self.first_potential:
+                self.first_potential = potential
+            method = self.method
+            by_step = not method.CHOOSES_STEP
+            said = watch.energy(
+                self.output("energy.kinetic"),
+                potential - self.first_potential,
+                self.output("energy.residual"),
+                method.ORDER if by_step else 1,
+                "solver.step" if by_step else "solver.tolerance",
+                self.step if by_step else self.relative,
+                self.time,
+            )
+            if said:
+                self.say(WARNING, said)
+        if self.look_at_drift and not watch.said_drift:
+            radius = self.reals[self.table.by_name["wire.radius"]]
+            said = watch.drift(self.output("constraint.drift"), radius, self.time)
+            if said:
+                self.say(WARNING, said)
+        if self.look_at_linear and not watch.said_linear:
+            said = watch.linear(self.output("model.acceleration_error"), self.time)
+            if said:
+                self.say(WARNING, said)
+
     def explain(self, failure: int, reached: float, duration: float) -> str:
         """The message of a failed step: what, where and what to do."""
         where = f" at time {self.time!r} s in a communication step of {duration!r} s"
@@ -690,10 +744,13 @@ class PlantEngine(Engine):
                 f"even with an internal step of {reached!r} s: reduce solver.step"
             )
         m = self.model
+        size = f" with internal steps of {reached!r} s" if reached > 0.0 else ""
+        remedy = "use smaller parameters, start values or inputs"
+        if not self.method.CHOOSES_STEP:
+            remedy = "reduce solver.step, or choose solver.method = adaptive"
         return (
-            f"the state left the finite numbers{where} with internal steps of {reached!r} s "
-            f"(coordinates {m.q0!r}, {m.q1!r}, rates {m.v0!r}, {m.v1!r}): "
-            "reduce solver.step, or choose solver.method = adaptive or implicit"
+            f"the state left the finite numbers{where}{size} "
+            f"(coordinates {m.q0!r}, {m.q1!r}, rates {m.v0!r}, {m.v1!r}): {remedy}"
         )
 
     def system_state(self) -> list[list[float]]:

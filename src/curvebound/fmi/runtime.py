@@ -55,7 +55,7 @@ def runtime() -> Runtime:
         for path in (_PACKAGE / folder).glob("*.py")
         if path.name != "__init__.py"
     ]
-    compiled = (*sorted(kernel), "fmi/engine.py")
+    compiled = (*sorted(kernel), "fmi/engine.py", "fmi/watch.py")
     files = {name: (_PACKAGE / name).read_bytes() for name in (*compiled, *_INTERPRETED)}
     files["__init__.py"] = _init(compiled).encode()
     digest = hashlib.sha256(version("pythonfmu").encode())

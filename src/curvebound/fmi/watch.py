@@ -1,0 +1,94 @@
+"""Warnings while running: what the live error measures say, once each.
+
+A plant is looked at after its 16th, 32nd and then every 64th communication step, so that the
+outputs which this needs cost next to nothing, and some energy has moved before the first look.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+__all__ = ["Watch"]
+
+#: |energy.residual| above this fraction of the energy that has moved
+ENERGY_FRACTION: Final = 1e-2
+#: |constraint.drift| above this fraction of the radius
+DRIFT_FRACTION: Final = 1e-3
+#: model.acceleration_error above this
+ACCELERATION_ERROR: Final = 0.3
+#: what the suggested step aims at, as a fraction of the bound
+_AIM: Final = 0.1
+_FIRST_PAUSE: Final = 16
+_LONGEST_PAUSE: Final = 64
+
+
+class Watch:
+    """When to look, what was said already, and the energy scale."""
+
+    def __init__(self) -> None:
+        #: communication steps until the next look
+        self.countdown: int = _FIRST_PAUSE
+        self.pause: int = _FIRST_PAUSE // 2
+        self.said_energy: bool = False
+        self.said_drift: bool = False
+        self.said_linear: bool = False
+        #: J, largest kinetic energy and largest change of the potential one so far
+        self.moved: float = 0.0
+
+    def due(self) -> bool:
+        """Count a communication step; whether to look after it."""
+        self.countdown -= 1
+        if self.countdown > 0:
+            return False
+        self.pause = min(2 * self.pause, _LONGEST_PAUSE)
+        self.countdown = self.pause
+        return True
+
+    def energy(
+        self,
+        kinetic: float,
+        change: float,
+        residual: float,
+        order: int,
+        setting: str,
+        value: float,
+        time: float,
+    ) -> str:
+        """The warning about the energy balance, or ''.
+
+        kinetic, change of the potential energy, residual in J; `setting` with its value is what
+        rules the error, as its power `order`.
+        """
+        self.moved = max(self.moved, abs(kinetic), abs(change))
+        if self.said_energy or not abs(residual) > ENERGY_FRACTION * self.moved > 0.0:
+            return ""
+        self.said_energy = True
+        excess = abs(residual) / (_AIM * ENERGY_FRACTION * self.moved)
+        better = value / excess if order <= 1 else value / excess ** (1.0 / order)
+        return (
+            f"energy.residual = {residual:.3g} J at time {time:.6g} s is more than "
+            f"{ENERGY_FRACTION:g} of the energy that moves ({self.moved:.3g} J): the integration is "
+            f"inaccurate; try {setting} = {better:.1g} instead of {value:g}"
+        )
+
+    def drift(self, drift: float, radius: float, time: float) -> str:
+        """The warning about the constraint, or ''; both in m."""
+        if self.said_drift or not abs(drift) > DRIFT_FRACTION * radius:
+            return ""
+        self.said_drift = True
+        return (
+            f"constraint.drift = {drift:.3g} m at time {time:.6g} s is more than {DRIFT_FRACTION:g} "
+            f"of wire.radius = {radius:g} m: set constraint.stabilization = 3 (projection) or "
+            "model.formulation = 2 (angle)"
+        )
+
+    def linear(self, error: float, time: float) -> str:
+        """The warning about the linear fidelity, or ''."""
+        if self.said_linear or not error > ACCELERATION_ERROR:
+            return ""
+        self.said_linear = True
+        return (
+            f"model.acceleration_error = {error:.3g} at time {time:.6g} s is more than "
+            f"{ACCELERATION_ERROR:g}: the linear fidelity is beyond its range; "
+            "set model.fidelity = 2 (nonlinear), or start smaller"
+        )
