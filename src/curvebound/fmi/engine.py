@@ -598,6 +598,8 @@ class PlantEngine(Engine):
         self.step: float = 0.0
         self.relative: float = 0.0
         self.max_steps: int = 0
+        #: whether the method carries something from step to step
+        self.remembers: bool = False
         self.look_at_drift: bool = False
         self.look_at_linear: bool = False
         #: J, at the first look
@@ -619,6 +621,7 @@ class PlantEngine(Engine):
             return str(error)
         self.model = model
         self.method = create(item)
+        self.remembers = len(self.method.get_state()) > 0
         self.step = reals["solver.step"]
         self.relative = reals["solver.tolerance"]
         self.max_steps = choices["solver.max_steps"]
@@ -666,7 +669,7 @@ class PlantEngine(Engine):
             )
         steps = method.steps
         evaluations = method.evaluations
-        memory = method.get_state() if method.CHOOSES_STEP else []
+        memory = method.get_state() if self.remembers else []
         model.keep()
         try:
             failure = method.advance(model, duration, int(count), self.relative, self.max_steps)
@@ -682,7 +685,7 @@ class PlantEngine(Engine):
         model.undo()
         method.steps = steps
         method.evaluations = evaluations
-        if method.CHOOSES_STEP:
+        if self.remembers:
             method.set_state(memory)
         return message
 
@@ -758,7 +761,8 @@ class PlantEngine(Engine):
         return [self.model.get_state(), counters, self.method.get_state()]
 
     def restore_system(self, state: list[list[float]]) -> None:
-        self.take_inputs()
+        if not self.bad_value():
+            self.take_inputs()
         self.model.set_state(state[0])
         self.method.steps = int(state[1][0])
         self.method.evaluations = int(state[1][1])
@@ -805,7 +809,8 @@ class ControllerEngine(Engine):
         return [self.law.get_state()]
 
     def restore_system(self, state: list[list[float]]) -> None:
-        self.take_inputs()
+        if not self.bad_value():
+            self.take_inputs()
         self.law.set_state(state[0])
 
 
