@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+import copy
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from ctypes import CFUNCTYPE, c_char_p, c_int, c_void_p, cast, string_at
@@ -29,11 +30,14 @@ _Logger = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_void_
 
 
 class Extracted:
-    """An extracted FMU: folder, description and its variables by name."""
+    """An extracted FMU: folder, description and its variables by name.
+
+    `path` is the .fmu, or a folder into which it was extracted before.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.folder = Path(extract(str(path)))
+        self.folder = path if path.is_dir() else Path(extract(str(path)))
         self.description = read_model_description(str(self.folder))
         self.name = self.description.modelName
         self.guid = self.description.guid
@@ -49,6 +53,20 @@ class Extracted:
         #: whether a forwarding library turns every failure into fmi2Error
         library = self.folder / "binaries" / "linux64" / "pythonfmu-export.so"
         self.forwarded = sys.platform == "linux" and library.is_file()
+
+        self._loaded: FMU2Slave | None = None
+
+    def slave(self, name: str) -> FMU2Slave:
+        """A new FMU2Slave. fmpy looks up the library's functions once: that takes milliseconds."""
+        if self._loaded is None:
+            self._loaded = FMU2Slave(
+                guid=self.guid,
+                unzipDirectory=str(self.folder),
+                modelIdentifier=self.description.coSimulation.modelIdentifier,
+            )
+        slave = copy.copy(self._loaded)
+        slave.instanceName = name
+        return slave
 
     def number(self, name: str, value: Value) -> float:
         """A value for the variable `name`: items of an enumeration may be given by their names."""
@@ -76,12 +94,7 @@ class Instance:
         callbacks.logger = cast(self._logger, fmi2CallbackLoggerTYPE)
         callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        self.slave = FMU2Slave(
-            guid=fmu.guid,
-            unzipDirectory=str(fmu.folder),
-            modelIdentifier=fmu.description.coSimulation.modelIdentifier,
-            instanceName=name,
-        )
+        self.slave = fmu.slave(name)
         self.slave.instantiate(callbacks=callbacks, loggingOn=logging)
         self._reals = [fmu.variables[n].valueReference for n in fmu.outputs]
         self._counts = [fmu.variables[n].valueReference for n in fmu.counts]
@@ -177,7 +190,8 @@ class Instance:
 
     def free(self) -> None:
         if not self.lost and self.slave.component is not None:
-            self.slave.freeInstance()
+            # not freeInstance(), which also closes the library that others share
+            self.slave.fmi2FreeInstance(self.slave.component)
             self.slave.component = None
 
     def __enter__(self) -> Instance:

@@ -38,9 +38,9 @@ def errors_at_10(
     return max(errors[:2]), max(errors[2:]), [int(n) for n in final(result, COUNTS)]
 
 
-# Velocities have bounds of their own: RK4's truncation error, the same in any implementation,
-# is larger in them by the rates of the motion (2.4e-10 in the pendulum's angular velocity, 3.5e-8 in
-# the vertical velocity of the unstabilised bead).
+# Velocities have bounds of their own: RK4's truncation error, the same in any implementation, is
+# larger in them by the rates of the motion (2.4e-10 in the pendulum's angular velocity, 3.5e-8
+# in the vertical velocity of the unstabilised bead).
 @pytest.mark.parametrize(
     ("solution", "position", "velocity"),
     [
