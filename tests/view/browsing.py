@@ -6,6 +6,7 @@ import base64
 import json
 import subprocess
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -65,9 +66,12 @@ class Tab:
             assert time.monotonic() < end, f"{condition} never held; the page said {self.errors}"
             time.sleep(0.02)
 
-    def open(self, path: Path, fragment: str = "play=0") -> None:
+    def open(self, path: Path, fragment: str = "play=0", *, ready: bool = True) -> None:
+        """Open a page, and wait until it has built itself unless it is not expected to."""
         self.call("Page.navigate", url=f"{path.as_uri()}#{fragment}")
         self.wait("document.readyState === 'complete'")
+        if ready:
+            self.wait("document.documentElement.dataset.ready")
 
     def size(self, width: int, height: int, *, mobile: bool = False, ratio: float = 1) -> None:
         self.call(
@@ -114,6 +118,7 @@ class Browser:
     def __init__(self, program: str, profile: Path) -> None:
         from websockets.sync.client import connect
 
+        self._closing = ExitStack()
         self._process = subprocess.Popen(
             [program, *FLAGS, f"--user-data-dir={profile}", "about:blank"],
             stdin=subprocess.DEVNULL,
@@ -122,7 +127,9 @@ class Browser:
         )
         try:
             address = self._address(profile / "DevToolsActivePort")
-            self._socket = connect(address, max_size=None, compression=None)
+            self._socket = self._closing.enter_context(
+                connect(address, max_size=None, compression=None)
+            )
         except BaseException:
             self._process.kill()
             raise
@@ -167,7 +174,7 @@ class Browser:
     def close(self) -> None:
         try:
             self.call("Browser.close", {})
-            self._socket.close()
+            self._closing.close()
             self._process.wait(10)
         except Exception:  # whatever it dies of, it must not outlive the tests
             self._process.kill()

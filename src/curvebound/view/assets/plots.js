@@ -175,6 +175,7 @@ class TimePlot {
     this.ghost = document.createElement("div");
     this.ghost.className = "playhead ghost";
     this.chart.over.append(this.ghost, this.playhead);
+    this.span = this.chart.bbox.width / devicePixelRatio;
     this.listen(this.chart.over);
     this.at(this.time ?? this.page.range()[0]);
   }
@@ -220,9 +221,10 @@ class TimePlot {
 
   move(line, t) {
     const [from, to] = this.page.range();
-    const x = (t - from) / (to - from) * this.chart.over.clientWidth;
+    // Nothing is read from the page here: that would lay it out anew at every frame.
+    const x = (t - from) / (to - from) * this.span, off = !(t >= from && t <= to);
     line.style.transform = `translateX(${x}px)`;
-    line.classList.toggle("off", !(t >= from && t <= to));
+    if (line.off !== off) line.classList.toggle("off", line.off = off);
   }
 
   // Numbers in the legend, those of the sample nearest to t.

@@ -66,8 +66,9 @@ class Page {
     this.buildControls();
     this.setTheme("auto");
     this.readHash();
-    new ResizeObserver(() => this.resized()).observe(document.body);
-    if (this.scene) new ResizeObserver(() => this.resized()).observe(get("scene"));
+    const observer = new ResizeObserver(() => this.resized());
+    observer.observe(get("plots"));
+    if (this.scene) observer.observe(get("scene"));
     this.changed();
     requestAnimationFrame((now) => this.frame(now));
   }
@@ -352,12 +353,22 @@ class Page {
 
   recolour() {
     this.colours = themeColours();
-    this.resized();
+    this.redraw();
   }
 
+  // Text that grows makes the page longer; only another width changes what is drawn.
   resized() {
-    if (this.scene) this.scene.resize();
+    const width = get("plots").clientWidth;
+    if (this.scene && this.scene.resize()) this.scene.draw(this.player.time);
+    if (width !== this.plotsWidth) {
+      this.plotsWidth = width;
+      this.redraw();
+    }
+  }
+
+  redraw() {
     for (const plot of this.plots) if (!plot.element.hidden) plot.mount();
+    if (this.scene) this.scene.draw(this.player.time);
     this.dirty = true;
     this.told = -Infinity;
   }

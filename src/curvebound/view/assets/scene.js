@@ -23,13 +23,17 @@ class Scene {
     this.resize();
   }
 
+  // Fit the canvas to its box; tells whether it changed, and so is blank.
   resize() {
     const box = this.canvas.getBoundingClientRect();
     this.ratio = Math.min(window.devicePixelRatio || 1, 3);
     this.width = Math.max(box.width, 1);
     this.height = Math.max(box.height, 1);
-    this.canvas.width = Math.round(this.width * this.ratio);
-    this.canvas.height = Math.round(this.height * this.ratio);
+    const width = Math.round(this.width * this.ratio), height = Math.round(this.height * this.ratio);
+    if (width === this.canvas.width && height === this.canvas.height) return false;
+    this.canvas.width = width;
+    this.canvas.height = height;
+    return true;
   }
 
   fit() {
