@@ -11,7 +11,8 @@ the error of the result is proportional to the tolerance (Shampine, ACM Trans. M
 
 What is compared are outputs that are functions of the FMUs' states: those that drive inputs, those
 that are recorded, and those with a given scale. An error that shows in none of them is not seen:
-where positions are exchanged, record the velocities too.
+where positions are exchanged, record the velocities too. Functions that drive inputs are seen at
+communication points only: bound the step (largest) by what they do between.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ import numpy as np
 from .algorithms import ORDERS, advance_of
 from .counters import Counters
 from .schedule import Schedule
+from .signals import jumps_of
 
 __all__ = ["adaptive_steps"]
 
@@ -57,14 +59,22 @@ def adaptive_steps(
     advance = advance_of(schedule)
     divisor = scales * (2.0**order - 1.0) * settings.tolerance
 
+    # steps end where a table is known to jump: a step across would see the jump late or not at all
+    stops = {
+        math.ceil((time - begin) / quantum * (1.0 - 1e-12))
+        for function in system.signals.values()
+        for time in jumps_of(function)
+        if begin < time < end
+    }
     most = max(2, int(largest / quantum))
     size = min(max(2, round(first / quantum)), most)
     at = 0
     error_before = 1.0
     rejected = False
     while at < quanta:
-        size = min(size, quanta - at)
-        if quanta - at - size == 1:
+        limit = min((stop for stop in stops if stop > at + 1), default=quanta) - at
+        size = min(size, limit)
+        if limit - size == 1:
             size += 1  # never leave less than a smallest step
         left, right = at + size // 2, at + size
         t, middle = begin + at * quantum, begin + left * quantum

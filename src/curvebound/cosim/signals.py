@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import CurveboundError
 from .results import read_csv
 
-__all__ = ["Signal", "SignalLike", "signal"]
+__all__ = ["Signal", "SignalLike", "jumps_of", "signal"]
 
 Signal = Callable[[float], float]
 SignalLike = float | int | bool | Signal | str | Path | tuple[Any, Any]
@@ -70,4 +70,11 @@ def _table(times: list[float], values: list[float], what: str) -> Signal:
         share = max(0.0, (t - times[i]) / (times[i + 1] - times[i]))
         return values[i] + share * (values[i + 1] - values[i])
 
+    jumps = [a for a, b in pairwise(times) if a == b]
+    interpolated.jumps = jumps  # type: ignore[attr-defined]
     return interpolated
+
+
+def jumps_of(function: Signal) -> list[float]:
+    """Times at which a signal is known to jump: those that its table gives twice."""
+    return list(getattr(function, "jumps", ()))

@@ -35,7 +35,9 @@ def run_single(scene: Scene, progress: Callable[[float], None] | None = None) ->
     """Run a scene of one FMU; inputs go through fmpy's `input`, as a table of their values.
 
     The table holds the inputs at each communication point, so that, as on the masters, each is
-    held from its communication point to the next. Raises RunFailed.
+    held from its communication point to the next. What fmpy records of an output with direct
+    feedthrough still belongs to the input of the step that ends there; the masters record it with
+    the input that holds from there on. Raises RunFailed.
     """
     from fmpy.fmi1 import FMICallException
     from fmpy.simulation import instantiate_fmu, simulate_fmu

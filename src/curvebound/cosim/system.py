@@ -421,6 +421,8 @@ class _Resolution:
         self, read: Iterable[Port], *, initial: bool
     ) -> tuple[dict[Port, int], list[Loop[Port]]]:
         source_of = {link.target: link.source for link in self.links}
+        # what depends on an input at once may depend so on a tunable parameter: FMI does not say
+        tuned = {port[0] for port in self.signals if not _is_input(self._variable(port))}
         depends: dict[Port, list[Port]] = {}
         at_least: dict[Port, int] = {}
         for port in read:
@@ -428,9 +430,13 @@ class _Resolution:
             table = node.initial_dependencies if initial else node.dependencies
             targets = [(port[0], name) for name in table.get(port[1], ())]
             depends[port] = [source_of[t] for t in targets if t in source_of]
-            if any(t in source_of or t in self.signals for t in targets):
+            driven = any(t in source_of or t in self.signals for t in targets)
+            if driven or (targets and node.name in tuned):
                 at_least[port] = 1
         return levels(depends, at_least)
+
+    def _variable(self, port: Port) -> Variable:
+        return self.nodes[port[0]].fmu.variables[port[1]]
 
     def _groups(
         self, names: list[str], edges: dict[str, dict[str, bool]]

@@ -1,0 +1,108 @@
+"""Macro steps chosen by the master: tolerance, work, jumps, refusal."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from curvebound.cosim import Adaptive, Scene
+from curvebound.errors import CurveboundError
+
+W = 2.0 * math.pi
+SCALES = {"one.x": 1.0, "two.x": 1.0, "one.v": W, "two.v": W}
+
+
+def symmetric(two_masses, tolerance, algorithm):
+    k = 4.0 * math.pi**2
+    return two_masses(
+        (k, k), 16.0 * math.pi**2, (1.0, 0.0), (0.0, 0.0), 1.0, 0.01,
+        algorithm=algorithm, adaptive=Adaptive(tolerance=tolerance, scales=SCALES),
+    )  # fmt: skip
+
+
+def error(result):
+    t = result.time
+    return max(
+        np.max(np.abs(result["one.x"] - 0.5 * (np.cos(W * t) + np.cos(3 * W * t)))),
+        np.max(np.abs(result["two.x"] - 0.5 * (np.cos(W * t) - np.cos(3 * W * t)))),
+    )
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "tolerances", "most_steps"),
+    [
+        ("jacobi", [1.0, 0.3, 0.1, 0.03], 6000),
+        ("gauss_seidel", [1.0, 0.3, 0.1, 0.03], 6000),
+        ("strang", [0.3, 0.1, 0.03, 0.01, 0.003], 500),
+    ],
+)
+def test_error_is_proportional_to_the_tolerance(two_masses, algorithm, tolerances, most_steps):
+    errors = []
+    for tolerance in tolerances:
+        result = symmetric(two_masses, tolerance, algorithm).run()
+        errors.append(error(result))
+        assert result.steps < most_steps
+        assert result.trials >= 1.5 * result.steps
+        assert result.rejected < 0.1 * result.trials
+        # the bound per second holds, with the factor that the growth over the run allows
+        assert errors[-1] < 2.0 * tolerance
+    slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
+    assert slope > 0.8
+
+
+def test_it_ends_at_the_stop_time_and_never_below_its_bound(two_masses):
+    scene = symmetric(two_masses, 0.03, "gauss_seidel")
+    scene.adaptive = Adaptive(tolerance=1e-9, scales=SCALES, smallest=0.004)
+    result = scene.run()
+    assert result.time[-1] == 1.0
+    assert np.min(np.diff(result.time)) > 0.0035
+    assert any("lower bound" in note for note in result.notes)
+
+
+def test_two_runs_give_the_same_bits(two_masses):
+    scene = symmetric(two_masses, 0.1, "gauss_seidel")
+    with scene.prepare() as prepared:
+        first, second = prepared.run(), prepared.run()
+    assert np.array_equal(first.data, second.data)
+    assert np.array_equal(first.data, scene.run().data)
+
+
+def test_known_jumps_are_met(mass_fmu):
+    """A mass driven by a table that jumps: a point lies at the jump, steps are long elsewhere."""
+    scene = Scene(
+        "jump", stop_time=10.0, step=0.01, adaptive=Adaptive(tolerance=0.05, scales={"one.v": 1.0})
+    )
+    scene.add("one", mass_fmu, {"k": 1.0, "kc": 1.0})
+    scene.input("one.other", ([0.0, 4.9, 4.9], [0.0, 0.0, 1.0]))
+    scene.record("one.x", "one.v")
+    result = scene.run()
+    w = math.sqrt(2.0)
+    after = np.maximum(result.time - 4.9, 0.0)
+    assert np.min(np.abs(result.time - 4.9)) < 1e-5
+    assert np.max(np.abs(result["one.x"] - 0.5 * (1.0 - np.cos(w * after)))) < 1e-5
+    assert result.steps < 60
+
+
+def test_steps_follow_what_the_inputs_do(mass_fmu):
+    """A pulse given as a function: steps are short while it changes."""
+    scene = Scene(
+        "pulse", stop_time=10.0, step=0.01,
+        adaptive=Adaptive(tolerance=0.02, scales={"one.v": 1.0}, largest=0.5),
+    )  # fmt: skip
+    scene.add("one", mass_fmu, {"k": 1.0, "kc": 1.0})
+    scene.input("one.other", lambda t: math.exp(-(((t - 5.0) / 0.5) ** 2)))
+    result = scene.record("one.x", "one.v").run()
+    steps = np.diff(result.time)
+    assert np.max(steps[result.time[1:] < 2.0]) > 0.4
+    busy = (result.time[1:] > 4.2) & (result.time[1:] < 5.8)
+    assert np.max(steps[busy]) < 0.2
+
+
+def test_refusal_names_the_component_that_cannot_roll_back(mass_fmu, gain_fmu):
+    scene = Scene("no_rollback", stop_time=1.0, step=0.1, adaptive=Adaptive())
+    scene.add("one", mass_fmu).add("block", gain_fmu)
+    scene.connect("block.y", "one.other", 1.0)
+    with pytest.raises(CurveboundError, match=r"component block: GainBlock cannot be rolled back"):
+        scene.check()

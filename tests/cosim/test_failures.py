@@ -1,0 +1,90 @@
+"""A component that fails in mid-run: the others end well, and what was recorded is kept."""
+
+from __future__ import annotations
+
+import pytest
+
+from curvebound.cosim import RunFailed, Scene, read_csv
+from curvebound.cosim.command import main
+from curvebound.cosim.instance import Instance
+
+
+@pytest.fixture
+def scene(mass_fmu, gain_fmu):
+    scene = Scene("failing", stop_time=1.0, step=0.01)
+    scene.add("sound", mass_fmu, {"x_start": 1.0})
+    scene.add("faulty", gain_fmu, {"fail_time": 0.505})
+    scene.connect("sound.x", "faulty.u", 1.0)
+    return scene.record("sound.x", "faulty.y")
+
+
+def test_message_and_partial_result(scene):
+    with pytest.raises(RunFailed) as caught:
+        scene.run()
+    error = caught.value
+    assert error.component == "faulty"
+    assert error.time == pytest.approx(0.5)
+    assert "fmi2DoStep returned fmi2Discard" in error.cause
+    assert "the gain block was told to fail" in error.cause
+    assert str(error).startswith("The scene failing failed at t = 0.5 s: component faulty: ")
+    assert len(error.result.data) == 51
+    assert error.result["faulty.y"][-1] == error.result["sound.x"][-1]
+    assert not error.result.complete
+
+
+def test_the_others_are_terminated_and_freed(scene, monkeypatch):
+    calls = []
+    terminate, free = Instance.terminate, Instance.free
+
+    def seen(what, method):
+        def call(self):
+            calls.append((what, self.name, self.alive, self.failed))
+            method(self)
+
+        return call
+
+    monkeypatch.setattr(Instance, "free", seen("free", free))
+    monkeypatch.setattr(Instance, "terminate", seen("terminate", terminate))
+    with scene.prepare() as prepared:
+        with pytest.raises(RunFailed):
+            prepared.run()
+        assert ("terminate", "sound", True, False) in calls
+        assert ("free", "faulty", True, True) in calls
+        assert not prepared._instances
+        # and it works again, with a value that does not fail
+        result = prepared.run({"faulty.fail_time": 1e9})
+        assert result.complete
+        assert result.steps == 100
+
+
+def test_an_exception_in_the_fmu_is_fatal_and_survived(scene):
+    scene.set("faulty.failure", 2)
+    with pytest.raises(RunFailed, match="component faulty") as caught:
+        scene.run()
+    assert len(caught.value.result.data) == 51
+
+
+def test_single_fmus_through_fmpy_fail_alike(gain_fmu):
+    scene = Scene("single", stop_time=1.0, step=0.01).add("a", gain_fmu, {"fail_time": 0.305})
+    scene.record("a.y")
+    with pytest.raises(RunFailed, match=r"component a: .*told to fail") as caught:
+        scene.run()
+    assert len(caught.value.result.data) >= 31
+    assert caught.value.time == pytest.approx(0.3, abs=0.011)
+
+
+def test_the_command_writes_what_there_is(scene, tmp_path, capsys):
+    out = tmp_path / "partial.csv"
+    assert main(scene, ["--out", str(out)]) == 1
+    assert len(read_csv(out)) == 51
+    message = capsys.readouterr().err
+    assert "component faulty" in message
+    assert "The result up to there is in" in message
+
+
+def test_failing_initialization_names_the_component(mass_fmu):
+    scene = Scene("bad_start", stop_time=1.0, step=0.1)
+    scene.add("one", mass_fmu, {"m": 1.0}).add("two", mass_fmu, {"m": -1.0})
+    scene.connect("one.x", "two.other").connect("two.x", "one.other")
+    with pytest.raises(RunFailed, match=r"failed at t = 0 s: component two: .*fmi2DoStep"):
+        scene.run()
