@@ -1,0 +1,532 @@
+"""One step of the eight-stage Lobatto IIIA method, order 14, solved by sweeps.
+
+Collocation at the Lobatto points c0 = 0 < c1 < ... < c7 = 1 (Hairer, Norsett, Wanner 1993,
+sec. II.7; Hairer, Wanner 1996, sec. IV.5): the accelerations K_i are those at the stages
+
+    V_i = v + h sum_j A_ij K_j,    Q_i = q + c_i h v + h^2 sum_j R_ij K_j,    R = A A
+
+The first guess of the K_i extrapolates the polynomial through those of the last step; each sweep
+evaluates them in order of time, every one with the newest of the others (Gauss-Seidel), and gains
+two to four digits. The size of the polynomial's highest Legendre coefficients measures the error.
+The sums of a stage are begun ahead of the evaluation before it, and added in pairs: an evaluation
+then waits for two operations after the one before it.
+
+Constants: C nodes, A and R as above (rows 1 to 7; row 7 of A are the weights); E and O give the
+even and odd coefficients of the polynomial in powers of 2 c - 1 from sums and differences of
+mirrored values; H and F its Legendre coefficients of degree 7 and 6.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from ..models.base import Model
+
+__all__ = ["Collocation"]
+
+Seven = tuple[float, float, float, float, float, float, float]
+
+C1: Final = 0.06412992574519669
+C2: Final = 0.20414990928342885
+C3: Final = 0.3953503910487606
+C4: Final = 0.6046496089512394
+C5: Final = 0.7958500907165712
+C6: Final = 0.9358700742548033
+A10: Final = 0.02473751443887554
+A11: Final = 0.04489266260275502
+A12: Final = -0.008140767742389754
+A13: Final = 0.004254082548545939
+A14: Final = -0.0027042050750158203
+A15: Final = 0.0018453866944819887
+A16: Final = -0.0012262209861064897
+A17: Final = 0.00047147326405026763
+A20: Final = 0.013258719822130255
+A21: Final = 0.1206497328240974
+A22: Final = 0.0799976357866516
+A23: Final = -0.014480830962625474
+A24: Final = 0.007631949206834005
+A25: Final = -0.004832668923134717
+A26: Final = 0.003104950015920876
+A27: Final = -0.0011795784864451048
+A30: Final = 0.021034356725214087
+A31: Final = 0.0962801783120814
+A32: Final = 0.1890416498443269
+A33: Final = 0.10124595564768955
+A34: Final = -0.01813732021145422
+A35: Final = 0.009417009802430584
+A36: Final = -0.005608861642537465
+A37: Final = 0.0020774225710097206
+A40: Final = 0.015779720286133135
+A41: Final = 0.11096097521429048
+A42: Final = 0.1611443364393216
+A43: Final = 0.22436671754080617
+A44: Final = 0.10498344168166239
+A45: Final = -0.018480303602574723
+A46: Final = 0.009071935259671617
+A47: Final = -0.00317721386807123
+A50: Final = 0.019036721343587963
+A51: Final = 0.10224716355583215
+A52: Final = 0.1753940151648869
+A53: Final = 0.19859744812251795
+A54: Final = 0.22071022829197742
+A55: Final = 0.09056371045510057
+A56: Final = -0.015297619252344383
+A57: Final = 0.004598423035012602
+A60: Final = 0.01738566959309259
+A61: Final = 0.1065783345578595
+A62: Final = 0.1687159595472702
+A63: Final = 0.20893360240436776
+A64: Final = 0.201975314780806
+A65: Final = 0.17870211398414193
+A66: Final = 0.060459450968998
+A67: Final = -0.006880371581732683
+A70: Final = 0.017857142857142856
+A71: Final = 0.10535211357175302
+A72: Final = 0.17056134624175218
+A73: Final = 0.20622939732935194
+A74: Final = 0.20622939732935194
+A75: Final = 0.17056134624175218
+A76: Final = 0.10535211357175302
+A77: Final = 0.017857142857142856
+R10: Final = 0.0010716376256772945
+R11: Final = 0.001250359966023172
+R12: Final = -0.00045106961510159484
+R13: Final = 0.00034035917836718006
+R14: Final = -0.00028772230906461236
+R15: Final = 0.0002406331238572394
+R16: Final = -0.00018141390148910432
+R17: Final = 7.353961977264641e-05
+R20: Final = 0.0038019953685877192
+R21: Final = 0.014233135297707797
+R22: Final = 0.0033848484129790964
+R23: Final = -0.0009532395797565681
+R24: Final = 0.000665388070955887
+R25: Final = -0.0005253573343539759
+R26: Final = 0.00038828376833693483
+R27: Final = -0.00015646127424077537
+R30: Final = 0.006850476287387093
+R31: Final = 0.035449482298828223
+R32: Final = 0.031615777224893386
+R33: Final = 0.004980176236382347
+R34: Final = -0.0011840493012781562
+R35: Final = 0.000757567701412784
+R36: Final = -0.0005278167206196453
+R37: Final = 0.00020935212419791765
+R40: Final = 0.011006666569755765
+R41: Final = 0.05641707433227133
+R42: Final = 0.06906733564617198
+R43: Final = 0.04197960226825477
+R44: Final = 0.004980176236382347
+R45: Final = -0.0009956343470731795
+R46: Final = 0.0005547062208782797
+R47: Final = -0.00020935212419791765
+R50: Final = 0.014055147488555138
+R51: Final = 0.07747654969114304
+R52: Final = 0.1003958221823718
+R53: Final = 0.08326019976403491
+R54: Final = 0.03847792054378954
+R55: Final = 0.0033848484129790964
+R56: Final = -0.0005182659103270261
+R57: Final = 0.00015646127424077537
+R60: Final = 0.01678550523146556
+R61: Final = 0.09165825322935181
+R62: Final = 0.12504380953361185
+R63: Final = 0.11118332620316981
+R64: Final = 0.06864775612106869
+R65: Final = 0.023430927277927262
+R66: Final = 0.001250359966023172
+R67: Final = -7.353961977264641e-05
+R70: Final = 0.017857142857142856
+R71: Final = 0.09859589035129697
+R72: Final = 0.135741262879239
+R73: Final = 0.12469652444944243
+R74: Final = 0.08153287287990951
+R75: Final = 0.03482008336251321
+R76: Final = 0.00675622322045605
+E00: Final = -0.0390625
+E01: Final = 0.10884002339880919
+E02: Final = -0.20402935346955609
+E03: Final = 0.6342518300707469
+O10: Final = -0.0390625
+O11: Final = 0.12485374636569209
+O12: Final = -0.3448188117424295
+O13: Final = 3.030359293393399
+E20: Final = 1.0546875
+E21: Final = -2.9042970734844875
+E22: Final = 5.13006254948732
+E23: Final = -3.2804529760028327
+O30: Final = 1.0546875
+O31: Final = -3.33160871212585
+O32: Final = 8.670037141212164
+O33: Final = -15.673508046892612
+E40: Final = -3.8671875
+E41: Final = 9.892051881471833
+E42: Final = -11.054944637017064
+E43: Final = 5.030080255545231
+O50: Final = -3.8671875
+O51: Final = 11.347477684014024
+O52: Final = -18.683355158420195
+O53: Final = 24.032962501985807
+E60: Final = 3.3515625
+E61: Final = -7.096594831386154
+E62: Final = 6.1289114409993
+E63: Final = -2.3838791096131455
+O70: Final = 3.3515625
+O71: Final = -8.140722718253867
+O72: Final = 10.358136828950459
+O73: Final = -11.389813748486596
+H0: Final = 0.125
+H1: Final = -0.30361669811669434
+H2: Final = 0.3863174574899938
+H3: Final = -0.42479491835847444
+F0: Final = 0.23214285714285715
+F1: Final = -0.4915390359401665
+F2: Final = 0.42451334656272205
+F3: Final = -0.1651171677654127
+
+#: size, in units of the error, of the Legendre coefficients of degree 7 and 6, squared
+HIGHEST: Final = 0.09
+NEXT: Final = 9e-4
+#: most sweeps, and the slowest convergence, at which a step is not better halved
+MOST_SWEEPS: Final = 12
+SLOWEST: Final = 0.5
+#: the convergence that is counted on at most
+FASTEST: Final = 0.01
+#: changes below this, relative, are rounding
+ROUNDING: Final = 5e-16
+#: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
+LARGEST: Final = 1e300
+
+
+class Collocation:
+    """The step, and what it remembers of the last one."""
+
+    def __init__(self) -> None:
+        # accelerations of q0 and q1 at the nodes
+        self.a0: float = 0.0
+        self.a1: float = 0.0
+        self.a2: float = 0.0
+        self.a3: float = 0.0
+        self.a4: float = 0.0
+        self.a5: float = 0.0
+        self.a6: float = 0.0
+        self.a7: float = 0.0
+        self.b0: float = 0.0
+        self.b1: float = 0.0
+        self.b2: float = 0.0
+        self.b3: float = 0.0
+        self.b4: float = 0.0
+        self.b5: float = 0.0
+        self.b6: float = 0.0
+        self.b7: float = 0.0
+        #: s, size of the last step; 0: there was none
+        self.h: float = 0.0
+        #: factor by which the last sweep reduced the change
+        self.contraction: float = SLOWEST
+        #: of the equations of motion, by the last step
+        self.sweeps: int = 0
+
+    def take(self, other: Collocation) -> None:
+        """Remember what `other` does."""
+        self.a0, self.a1, self.a2, self.a3 = other.a0, other.a1, other.a2, other.a3
+        self.a4, self.a5, self.a6, self.a7 = other.a4, other.a5, other.a6, other.a7
+        self.b0, self.b1, self.b2, self.b3 = other.b0, other.b1, other.b2, other.b3
+        self.b4, self.b5, self.b6, self.b7 = other.b4, other.b5, other.b6, other.b7
+        self.h = other.h
+        self.contraction = other.contraction
+
+    def get_state(self) -> list[float]:
+        """All that the next step depends on."""
+        return [
+            self.a0, self.a1, self.a2, self.a3, self.a4, self.a5, self.a6, self.a7,
+            self.b0, self.b1, self.b2, self.b3, self.b4, self.b5, self.b6, self.b7,
+            self.h, self.contraction,
+        ]  # fmt: skip
+
+    def set_state(self, state: list[float]) -> None:
+        """Return to what get_state() gave."""
+        self.a0, self.a1, self.a2, self.a3 = state[0:4]
+        self.a4, self.a5, self.a6, self.a7 = state[4:8]
+        self.b0, self.b1, self.b2, self.b3 = state[8:12]
+        self.b4, self.b5, self.b6, self.b7 = state[12:16]
+        self.h, self.contraction = state[16:]
+
+    # fmt: off
+    def step(
+        self, model: Model, t: float, h: float, a0: float, b0: float, tolerance: float, bound: float
+    ) -> float:
+        """Try a step of h s from time t, where the acceleration is (a0, b0).
+
+        Returns the square of the size of the polynomial's tail: up to `bound` the model's state and
+        work have been advanced, else they are as before. Infinite: the sweeps diverge. The sweeps
+        converge to `tolerance`.
+        """
+        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        # a coordinate that rests is left out until a sweep finds an acceleration of it
+        two = q1 != 0.0 or v1 != 0.0 or b0 != 0.0
+        b1 = b2 = b3 = b4 = b5 = b6 = b7 = 0.0
+        if self.h > 0.0:
+            r = 2.0 * h / self.h
+            a1, a2, a3, a4, a5, a6, a7 = extrapolated(
+                self.a0, self.a1, self.a2, self.a3, self.a4, self.a5, self.a6, self.a7, a0, r
+            )
+            if two:
+                b1, b2, b3, b4, b5, b6, b7 = extrapolated(
+                    self.b0, self.b1, self.b2, self.b3, self.b4, self.b5, self.b6, self.b7, b0, r
+                )
+        else:
+            a1 = a2 = a3 = a4 = a5 = a6 = a7 = a0
+            if two:
+                b1 = b2 = b3 = b4 = b5 = b6 = b7 = b0
+        hh = h * h
+        w0 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
+            + (A75 * a5 + A76 * a6)))
+        w1 = v1
+        if two:
+            w1 = v1 + h * (((A77 * b7 + A70 * b0) + (A71 * b1 + A72 * b2)) + ((A73 * b3 + A74 * b4)
+                + (A75 * b5 + A76 * b6)))
+        # the fastest relative rate, 1/s; never less than what moves q by its scale within 1000 h
+        s0 = model.q0_scale
+        s1 = model.q1_scale
+        rate0 = (max(math.fabs(v0), math.fabs(w0)) + h * math.fabs(a0)) / s0
+        rate1 = (max(math.fabs(v1), math.fabs(w1)) + h * math.fabs(b0)) / s1
+        rate = max(max(rate0, rate1), 1e-3 / h)
+        s0 = 1.0 / (rate * s0)
+        s1 = 1.0 / (rate * s1)
+        contraction = self.contraction
+        change = 0.0
+        size = 0.0
+        work = 0.0
+        closing = False
+        x1 = p1 = q1
+        u1 = v1
+        for sweep in range(MOST_SWEEPS):
+            y0 = w0
+            y1 = w1
+            x0 = q0 + (C1 * h * v0 + hh * (((R11 * a1 + R12 * a2) + (R13 * a3 + R14 * a4))
+                + ((R15 * a5 + R16 * a6) + (R17 * a7 + R10 * a0))))
+            w0 = v0 + h * (((A11 * a1 + A12 * a2) + (A13 * a3 + A14 * a4)) + ((A15 * a5 + A16 * a6)
+                + (A17 * a7 + A10 * a0)))
+            if two:
+                x1 = q1 + (C1 * h * v1 + hh * (((R11 * b1 + R12 * b2) + (R13 * b3 + R14 * b4))
+                    + ((R15 * b5 + R16 * b6) + (R17 * b7 + R10 * b0))))
+                w1 = v1 + h * (((A11 * b1 + A12 * b2) + (A13 * b3 + A14 * b4)) + ((A15 * b5
+                    + A16 * b6) + (A17 * b7 + A10 * b0)))
+            p0 = q0 + (C2 * h * v0 + hh * (((R22 * a2 + R23 * a3) + (R24 * a4 + R25 * a5))
+                + ((R26 * a6 + R27 * a7) + R20 * a0)))
+            u0 = v0 + h * (((A22 * a2 + A23 * a3) + (A24 * a4 + A25 * a5)) + ((A26 * a6 + A27 * a7)
+                + A20 * a0))
+            if two:
+                p1 = q1 + (C2 * h * v1 + hh * (((R22 * b2 + R23 * b3) + (R24 * b4 + R25 * b5))
+                    + ((R26 * b6 + R27 * b7) + R20 * b0)))
+                u1 = v1 + h * (((A22 * b2 + A23 * b3) + (A24 * b4 + A25 * b5)) + ((A26 * b6
+                    + A27 * b7) + A20 * b0))
+            if closing:
+                work += A71 * model.power(t + C1 * h, x0, x1, w0, w1, a1, b1)
+            else:
+                a1, b1 = model.acceleration(t + C1 * h, x0, x1, w0, w1)
+            x0 = p0 + (hh * R21) * a1
+            w0 = u0 + (h * A21) * a1
+            if two:
+                x1 = p1 + (hh * R21) * b1
+                w1 = u1 + (h * A21) * b1
+            p0 = q0 + (C3 * h * v0 + hh * (((R33 * a3 + R34 * a4) + (R35 * a5 + R36 * a6))
+                + ((R37 * a7 + R30 * a0) + R31 * a1)))
+            u0 = v0 + h * (((A33 * a3 + A34 * a4) + (A35 * a5 + A36 * a6)) + ((A37 * a7 + A30 * a0)
+                + A31 * a1))
+            if two:
+                p1 = q1 + (C3 * h * v1 + hh * (((R33 * b3 + R34 * b4) + (R35 * b5 + R36 * b6))
+                    + ((R37 * b7 + R30 * b0) + R31 * b1)))
+                u1 = v1 + h * (((A33 * b3 + A34 * b4) + (A35 * b5 + A36 * b6)) + ((A37 * b7
+                    + A30 * b0) + A31 * b1))
+            if closing:
+                work += A72 * model.power(t + C2 * h, x0, x1, w0, w1, a2, b2)
+            else:
+                a2, b2 = model.acceleration(t + C2 * h, x0, x1, w0, w1)
+            x0 = p0 + (hh * R32) * a2
+            w0 = u0 + (h * A32) * a2
+            if two:
+                x1 = p1 + (hh * R32) * b2
+                w1 = u1 + (h * A32) * b2
+            p0 = q0 + (C4 * h * v0 + hh * (((R44 * a4 + R45 * a5) + (R46 * a6 + R47 * a7))
+                + ((R40 * a0 + R41 * a1) + R42 * a2)))
+            u0 = v0 + h * (((A44 * a4 + A45 * a5) + (A46 * a6 + A47 * a7)) + ((A40 * a0 + A41 * a1)
+                + A42 * a2))
+            if two:
+                p1 = q1 + (C4 * h * v1 + hh * (((R44 * b4 + R45 * b5) + (R46 * b6 + R47 * b7))
+                    + ((R40 * b0 + R41 * b1) + R42 * b2)))
+                u1 = v1 + h * (((A44 * b4 + A45 * b5) + (A46 * b6 + A47 * b7)) + ((A40 * b0
+                    + A41 * b1) + A42 * b2))
+            if closing:
+                work += A73 * model.power(t + C3 * h, x0, x1, w0, w1, a3, b3)
+            else:
+                a3, b3 = model.acceleration(t + C3 * h, x0, x1, w0, w1)
+            x0 = p0 + (hh * R43) * a3
+            w0 = u0 + (h * A43) * a3
+            if two:
+                x1 = p1 + (hh * R43) * b3
+                w1 = u1 + (h * A43) * b3
+            p0 = q0 + (C5 * h * v0 + hh * (((R55 * a5 + R56 * a6) + (R57 * a7 + R50 * a0))
+                + ((R51 * a1 + R52 * a2) + R53 * a3)))
+            u0 = v0 + h * (((A55 * a5 + A56 * a6) + (A57 * a7 + A50 * a0)) + ((A51 * a1 + A52 * a2)
+                + A53 * a3))
+            if two:
+                p1 = q1 + (C5 * h * v1 + hh * (((R55 * b5 + R56 * b6) + (R57 * b7 + R50 * b0))
+                    + ((R51 * b1 + R52 * b2) + R53 * b3)))
+                u1 = v1 + h * (((A55 * b5 + A56 * b6) + (A57 * b7 + A50 * b0)) + ((A51 * b1
+                    + A52 * b2) + A53 * b3))
+            if closing:
+                work += A74 * model.power(t + C4 * h, x0, x1, w0, w1, a4, b4)
+            else:
+                a4, b4 = model.acceleration(t + C4 * h, x0, x1, w0, w1)
+            x0 = p0 + (hh * R54) * a4
+            w0 = u0 + (h * A54) * a4
+            if two:
+                x1 = p1 + (hh * R54) * b4
+                w1 = u1 + (h * A54) * b4
+            p0 = q0 + (C6 * h * v0 + hh * (((R66 * a6 + R67 * a7) + (R60 * a0 + R61 * a1))
+                + ((R62 * a2 + R63 * a3) + R64 * a4)))
+            u0 = v0 + h * (((A66 * a6 + A67 * a7) + (A60 * a0 + A61 * a1)) + ((A62 * a2 + A63 * a3)
+                + A64 * a4))
+            if two:
+                p1 = q1 + (C6 * h * v1 + hh * (((R66 * b6 + R67 * b7) + (R60 * b0 + R61 * b1))
+                    + ((R62 * b2 + R63 * b3) + R64 * b4)))
+                u1 = v1 + h * (((A66 * b6 + A67 * b7) + (A60 * b0 + A61 * b1)) + ((A62 * b2
+                    + A63 * b3) + A64 * b4))
+            if closing:
+                work += A75 * model.power(t + C5 * h, x0, x1, w0, w1, a5, b5)
+            else:
+                a5, b5 = model.acceleration(t + C5 * h, x0, x1, w0, w1)
+            x0 = p0 + (hh * R65) * a5
+            w0 = u0 + (h * A65) * a5
+            if two:
+                x1 = p1 + (hh * R65) * b5
+                w1 = u1 + (h * A65) * b5
+            p0 = q0 + (h * v0 + hh * (((R70 * a0 + R71 * a1) + R72 * a2) + ((R73 * a3 + R74 * a4)
+                + R75 * a5)))
+            u0 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
+                + A75 * a5))
+            if two:
+                p1 = q1 + (h * v1 + hh * (((R70 * b0 + R71 * b1) + R72 * b2) + ((R73 * b3
+                    + R74 * b4) + R75 * b5)))
+                u1 = v1 + h * (((A77 * b7 + A70 * b0) + (A71 * b1 + A72 * b2)) + ((A73 * b3
+                    + A74 * b4) + A75 * b5))
+            if closing:
+                work += A76 * model.power(t + C6 * h, x0, x1, w0, w1, a6, b6)
+            else:
+                a6, b6 = model.acceleration(t + C6 * h, x0, x1, w0, w1)
+            x0 = p0 + (hh * R76) * a6
+            w0 = u0 + (h * A76) * a6
+            if two:
+                x1 = p1 + (hh * R76) * b6
+                w1 = u1 + (h * A76) * b6
+            if closing:
+                work += A77 * model.power(t + h, x0, x1, w0, w1, a7, b7)
+            else:
+                a7, b7 = model.acceleration(t + h, x0, x1, w0, w1)
+            if closing:
+                break
+            self.sweeps += 1
+            if not two:
+                two = b1 != 0.0 or b2 != 0.0 or b3 != 0.0 or b4 != 0.0
+                two = two or b5 != 0.0 or b6 != 0.0 or b7 != 0.0
+                if two:
+                    continue
+            before = change
+            change = max(math.fabs(w0 - y0) * s0, math.fabs(w1 - y1) * s1)
+            if before > 0.0:
+                contraction = max(change / before, FASTEST)
+            done = change * contraction <= max(tolerance, ROUNDING)
+            if not done:
+                if sweep > 1 and contraction > SLOWEST:
+                    return math.inf
+                if sweep != 1:
+                    continue
+            # known well enough after two sweeps to spare a step that is too large the others
+            size = tail(a0, a1, a2, a3, a4, a5, a6, a7) * (s0 * s0)
+            if two:
+                size += tail(b0, b1, b2, b3, b4, b5, b6, b7) * (s1 * s1)
+            size *= hh
+            if not size <= bound:
+                return size
+            if done:
+                if not model.works:
+                    break
+                work = A70 * model.power(t, q0, q1, v0, v1, a0, b0)
+                closing = True
+        else:
+            return math.inf
+        x0 = q0 + (h * v0 + hh * (((R70 * a0 + R71 * a1) + (R72 * a2 + R73 * a3)) + ((R74 * a4
+            + R75 * a5) + R76 * a6)))
+        w0 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
+            + (A75 * a5 + A76 * a6)))
+        if two:
+            x1 = q1 + (h * v1 + hh * (((R70 * b0 + R71 * b1) + (R72 * b2 + R73 * b3)) + ((R74 * b4
+                + R75 * b5) + R76 * b6)))
+            w1 = v1 + h * (((A77 * b7 + A70 * b0) + (A71 * b1 + A72 * b2)) + ((A73 * b3 + A74 * b4)
+                + (A75 * b5 + A76 * b6)))
+        # fmt: on
+        if not math.fabs(x0) + math.fabs(x1) + math.fabs(w0) + math.fabs(w1) <= LARGEST:
+            return math.inf
+        model.q0, model.q1, model.v0, model.v1 = x0, x1, w0, w1
+        model.work += h * work
+        self.a0, self.a1, self.a2, self.a3 = a0, a1, a2, a3
+        self.a4, self.a5, self.a6, self.a7 = a4, a5, a6, a7
+        self.b0, self.b1, self.b2, self.b3 = b0, b1, b2, b3
+        self.b4, self.b5, self.b6, self.b7 = b4, b5, b6, b7
+        self.h = h
+        self.contraction = contraction
+        return size
+
+
+# fmt: off
+def extrapolated(
+    k0: float, k1: float, k2: float, k3: float, k4: float, k5: float, k6: float, k7: float,
+    start: float, r: float,
+) -> Seven:
+    """The polynomial through k0 ... k7 at the nodes 1 to 7 of the next step, r / 2 times as long.
+
+    Shifted so that it begins with `start`, which differs from k7 where an input jumped.
+    """
+    e0 = k7 + k0
+    o0 = k7 - k0
+    e1 = k6 + k1
+    o1 = k6 - k1
+    e2 = k5 + k2
+    o2 = k5 - k2
+    e3 = k4 + k3
+    o3 = k4 - k3
+    p0 = E00 * e0 + E01 * e1 + E02 * e2 + E03 * e3 + (start - k7)
+    p1 = O10 * o0 + O11 * o1 + O12 * o2 + O13 * o3
+    p2 = E20 * e0 + E21 * e1 + E22 * e2 + E23 * e3
+    p3 = O30 * o0 + O31 * o1 + O32 * o2 + O33 * o3
+    p4 = E40 * e0 + E41 * e1 + E42 * e2 + E43 * e3
+    p5 = O50 * o0 + O51 * o1 + O52 * o2 + O53 * o3
+    p6 = E60 * e0 + E61 * e1 + E62 * e2 + E63 * e3
+    p7 = O70 * o0 + O71 * o1 + O72 * o2 + O73 * o3
+    x = 1.0 + C1 * r
+    y1 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
+    x = 1.0 + C2 * r
+    y2 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
+    x = 1.0 + C3 * r
+    y3 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
+    x = 1.0 + C4 * r
+    y4 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
+    x = 1.0 + C5 * r
+    y5 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
+    x = 1.0 + C6 * r
+    y6 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
+    x = 1.0 + r
+    y7 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
+    return y1, y2, y3, y4, y5, y6, y7
+
+
+def tail(
+    k0: float, k1: float, k2: float, k3: float, k4: float, k5: float, k6: float, k7: float
+) -> float:
+    """Squared size of the two highest Legendre coefficients of the polynomial through k0 ... k7."""
+    high = H0 * (k7 - k0) + H1 * (k6 - k1) + H2 * (k5 - k2) + H3 * (k4 - k3)
+    low = F0 * (k7 + k0) + F1 * (k6 + k1) + F2 * (k5 + k2) + F3 * (k4 + k3)
+    return HIGHEST * (high * high) + NEXT * (low * low)
+# fmt: on
