@@ -25,15 +25,19 @@ CENTRE = """((colour) => {
   probe.fillRect(0, 0, 1, 1);
   const [r, g, b] = probe.getImageData(0, 0, 1, 1).data;
   const data = canvas.getContext("2d").getImageData(0, 0, width, height).data;
-  let n = 0, x = 0, y = 0, left = width, right = 0, low = 0, high = height;
+  let left = width, right = 0, low = 0, high = height;
+  const xs = [], ys = [];
   for (let i = 0; i < width * height; i++) {
     if (data[4 * i] !== r || data[4 * i + 1] !== g || data[4 * i + 2] !== b) continue;
     const px = i % width, py = Math.floor(i / width);
-    n++; x += px + 0.5; y += py + 0.5;
+    xs.push(px + 0.5);
+    ys.push(py + 0.5);
     left = Math.min(left, px); right = Math.max(right, px + 1);
     high = Math.min(high, py); low = Math.max(low, py + 1);
   }
-  return [x / n, y / n, n, left, right, high, low];
+  // Medians: a pixel on the edge of something else may happen to have the same colour.
+  const median = (all) => all.sort((a, b) => a - b)[Math.floor(all.length / 2)];
+  return [median(xs), median(ys), xs.length, left, right, high, low];
 })"""
 NEXT = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from importlib.resources import files
 from pathlib import Path
 
@@ -32,7 +33,8 @@ def write_whole(out: Path, write: Callable[[Path], None]) -> Path:
             f"{out} cannot be written: {error.strerror or error}. Choose another place with --out."
         ) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink()
     return out
 
 

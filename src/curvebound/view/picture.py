@@ -240,10 +240,11 @@ def _decades(axes: Any, lines: list[_Line]) -> None:
     """A logarithmic axis that starts no deeper than is worth looking at."""
     from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
+    sizes = np.abs(np.concatenate([line.values for line in lines]))
+    sizes = sizes[np.isfinite(sizes) & (sizes > 0.0)]
+    low = max(0.5 * float(sizes.min()), 1e-8 * float(sizes.max()))
+    axes.set_ylim(low, max(2.0 * float(sizes.max()), 30.0 * low))
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(numticks=5))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_minor_formatter(NullFormatter())
-    largest = max(float(np.nanmax(np.abs(line.values))) for line in lines)
-    low, high = axes.get_ylim()
-    axes.set_ylim(max(low, 1e-8 * largest), max(high, 30.0 * low))

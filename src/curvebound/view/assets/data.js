@@ -72,16 +72,19 @@ function valueAt(times, values, i, t) {
   if (s === 0) return v0;
   if (s === 1) return v1;
   const straight = (v1 - v0) / h;
-  const m0 = slope(times, values, i, straight), m1 = slope(times, values, i + 1, straight);
+  let m0 = slope(times, values, i), m1 = slope(times, values, i + 1);
+  // Without a neighbour on one side a parabola, without any a straight line.
+  if (Number.isNaN(m0)) m0 = Number.isNaN(m1) ? straight : 2 * straight - m1;
+  if (Number.isNaN(m1)) m1 = 2 * straight - m0;
   const r = 1 - s;
   return (1 + 2 * s) * r * r * v0 + s * s * (3 - 2 * s) * v1 + h * s * r * (r * m0 - s * m1);
 }
 
-function slope(times, values, i, otherwise) {
-  if (i === 0 || i === times.length - 1) return otherwise;
+// That of the parabola through a sample and its neighbours, NaN where it lacks one.
+function slope(times, values, i) {
+  if (i === 0 || i === times.length - 1) return NaN;
   const before = times[i] - times[i - 1], after = times[i + 1] - times[i];
-  if (!(before > 0 && after > 0)) return otherwise;
+  if (!(before > 0 && after > 0)) return NaN;
   const rise = (values[i] - values[i - 1]) / before, fall = (values[i + 1] - values[i]) / after;
-  const m = (rise * after + fall * before) / (before + after);
-  return Number.isNaN(m) ? otherwise : m;
+  return (rise * after + fall * before) / (before + after);
 }

@@ -1,0 +1,74 @@
+"""The gallery: cards, links that exist, and nothing that loads from elsewhere."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+from browsing import Tab
+from motions import bead
+
+from curvebound.view import Card, write_gallery, write_picture, write_replay
+
+
+class Addresses(HTMLParser):
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.found: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        for name, value in attributes:
+            if name in ("href", "src") and value and not value.startswith("data:"):
+                self.found.append(value)
+
+
+@pytest.fixture
+def gallery(tmp_path: Path) -> Path:
+    data = bead(2.0, 0.02)
+    folder = tmp_path / "build"
+    card = Card(
+        title="bead & <wire>",
+        shows="A bead slides.",
+        picture=write_picture(data, folder / "pictures" / "bead on a wire.png"),
+        settings={"method": "rk4, 1 ms", "formulation": "<angle>"},
+        error="2e-12 J",
+        cost="2.1 us a step",
+        links={
+            "Replay": write_replay([("bead", data)], folder / "bead on a wire.html"),
+            "Study": folder / "not_there.html",
+        },
+    )
+    bare = Card(title="bare", shows="Nothing but words.", picture=folder / "none.png")
+    return write_gallery([card, bare], folder / "index.html", introduction="All scenes.")
+
+
+def test_links_lead_somewhere(gallery: Path) -> None:
+    addresses = Addresses(gallery.read_text()).found
+    assert addresses
+    for address in addresses:
+        assert (gallery.parent / unquote(address)).is_file()
+    assert "not_there" not in gallery.read_text()
+    assert sum(address.endswith(".html") for address in addresses) == 2, "picture and button"
+
+
+def test_words_are_text(gallery: Path) -> None:
+    text = gallery.read_text()
+    for words in ("bead &amp; &lt;wire&gt;", "&lt;angle&gt;", "2e-12 J", "2.1 us a step"):
+        assert words in text
+
+
+def test_an_empty_gallery_says_so(tmp_path: Path) -> None:
+    assert "No scene" in write_gallery([], tmp_path / "index.html").read_text()
+
+
+def test_in_the_browser(tab: Tab, gallery: Path) -> None:
+    tab.open(gallery, ready=False)
+    assert tab.errors == []
+    assert all(url.startswith("file:") for url in tab.requests)
+    assert tab.run("[...document.images].every((image) => image.naturalWidth > 0 && image.alt)")
+    tab.run("document.querySelector('nav a').click()")
+    tab.wait("document.documentElement.dataset.ready")
+    assert tab.run("curvebound.model.results[0].label") == "bead"

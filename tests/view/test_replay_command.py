@@ -1,0 +1,80 @@
+"""`curvebound replay`: files in, one page out."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from motions import bead, pendulum
+
+from curvebound.cli import main
+from curvebound.cosim import write_csv
+
+
+def model(page: Path) -> dict[str, Any]:
+    found = re.search(r'id="model">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL)
+    assert found
+    return dict(json.loads(found[1]))
+
+
+def test_one_result_beside_its_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_csv(bead(1.0, 0.01), tmp_path / "bead.csv")
+    assert main(["replay", str(path)]) == 0
+    page = tmp_path / "bead.html"
+    assert str(page) in capsys.readouterr().out.replace("\n", "")
+    assert [result["label"] for result in model(page)["results"]] == ["bead"]
+
+
+def test_labels_titles_and_pictures(tmp_path: Path) -> None:
+    one = write_csv(bead(1.0, 0.01), tmp_path / "one" / "result.csv")
+    two = write_csv(bead(1.0, 0.02), tmp_path / "two" / "result.csv")
+    out = tmp_path / "page.html"
+    assert main(["replay", str(one), str(two), "--out", str(out), "--title", "Both"]) == 0
+    assert [result["label"] for result in model(out)["results"]] == ["one/result", "two/result"]
+    assert model(out)["title"] == "Both"
+    png, gif = tmp_path / "a.png", tmp_path / "a.gif"
+    names = [f"h = 0.01={one}", f"h = 0.02={two}"]
+    assert (
+        main(["replay", *names, "--out", str(out), "--picture", str(png), "--gif", str(gif)]) == 0
+    )
+    assert [result["label"] for result in model(out)["results"]] == ["h = 0.01", "h = 0.02"]
+    assert png.stat().st_size > 5000
+    assert gif.stat().st_size > 5000
+
+
+def test_bodies_of_two_kinds_in_one_page(tmp_path: Path) -> None:
+    one = write_csv(bead(1.0, 0.01), tmp_path / "bead.csv")
+    two = write_csv(pendulum(1.0, 0.01), tmp_path / "pendulum.csv")
+    assert main(["replay", str(one), str(two)]) == 0
+    found = model(tmp_path / "bead.html")
+    assert [actor["kind"] for actor in found["actors"]] == ["bead", "pendulum"]
+    assert not any(plot["title"].startswith("Distance") for plot in found["plots"])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("", "is empty"), ("x,y\n1,2\n", "no column"), ("time,a\n0,1\n1,2,3\n2,2\n", "Line 3")],
+)
+def test_a_broken_file_is_one_paragraph_and_status_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, said: str
+) -> None:
+    path = tmp_path / "broken.csv"
+    path.write_text(text)
+    assert main(["replay", str(path)]) == 1
+    heard = " ".join(capsys.readouterr().err.split())
+    assert said in heard
+    assert "Traceback" not in heard
+    assert not (tmp_path / "broken.html").exists()
+
+
+def test_too_many_results_and_a_place_that_cannot_be_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = str(write_csv(bead(0.1, 0.01), tmp_path / "bead.csv"))
+    assert main(["replay", *(f"{k}={path}" for k in range(9))]) == 1
+    assert "at most 8" in " ".join(capsys.readouterr().err.split())
+    assert main(["replay", path, "--out", str(tmp_path / "bead.csv" / "page.html")]) == 1
+    assert "cannot be written" in " ".join(capsys.readouterr().err.split())
