@@ -1,0 +1,60 @@
+"""Copies of the package's sources to build from: changed, elsewhere, at another time."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from curvebound import places
+
+_BUILD = """
+import pathlib, sys
+from curvebound.fmi.build import build
+for name in sys.argv[3:]:
+    build(name, pathlib.Path(sys.argv[1]), compiled=sys.argv[2] == "compiled")
+"""
+
+
+def copy_sources(root: Path) -> Path:
+    """Copy package, declarations and licence as in a checkout; returns the package's folder."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    package = root / "src" / "curvebound"
+    shutil.copytree(Path(places.__file__).parent, package, ignore=ignored)
+    if not (package / "_fmus").is_dir():
+        shutil.copytree(places.fmus_directory(), root / "fmus", ignore=ignored)
+        (root / "LICENSE").write_text(places.license_text(), encoding="utf-8")
+    return package
+
+
+def declarations(package: Path) -> Path:
+    """The folder of the declarations that belong to a copied package."""
+    packed = package / "_fmus"
+    return packed if packed.is_dir() else package.parents[1] / "fmus"
+
+
+def build_from(
+    package: Path,
+    out: Path,
+    *names: str,
+    compiled: bool = False,
+    cwd: Path | None = None,
+    environment: dict[str, str] | None = None,
+) -> None:
+    """Build FMUs from a copied package in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, "-c", _BUILD, str(out), "compiled" if compiled else "-", *names],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": str(package.parent), **(environment or {})},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def replace_once(file: Path, old: str, new: str) -> None:
+    text = file.read_text()
+    assert text.count(old) == 1, (file, old)
+    file.write_text(text.replace(old, new))

@@ -1,0 +1,196 @@
+"""Building an FMU: the same bytes from the same sources, a GUID that follows the content."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from interface_table import INTERFACE
+from source_copies import build_from, copy_sources, declarations, replace_once
+
+from curvebound.errors import CurveboundError
+from curvebound.fmi.build import build
+from curvebound.fmi.compile import why_not
+
+NAMES = tuple(INTERFACE)
+
+
+def head(path: Path) -> ElementTree.Element:
+    with zipfile.ZipFile(path) as archive:
+        return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+
+def guid(path: Path) -> str:
+    return head(path).get("guid") or ""
+
+
+def same_files(one: Path, other: Path) -> None:
+    """Name what differs, before comparing the bytes."""
+    with zipfile.ZipFile(one) as a, zipfile.ZipFile(other) as b:
+        assert a.namelist() == b.namelist()
+        assert [n for n in a.namelist() if a.read(n) != b.read(n)] == []
+        assert [i.date_time for i in a.infolist()] == [i.date_time for i in b.infolist()]
+    assert one.read_bytes() == other.read_bytes()
+
+
+@pytest.fixture
+def undated(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_twice_the_same_bytes(fmus, interpreted_fmus, tmp_path, name: str) -> None:
+    compiled = build(name, tmp_path / "compiled", compiled=not why_not())
+    same_files(fmus / f"{name}.fmu", compiled.path)
+    same_files(interpreted_fmus / f"{name}.fmu", build(name, tmp_path, compiled=False).path)
+    assert compiled.path == tmp_path / "compiled" / f"{name}.fmu"
+    assert compiled.name == name
+    assert str(compiled.path) in compiled.message
+    assert "\n" not in compiled.message
+
+
+def test_same_bytes_from_another_place_at_another_time(fmus, interpreted_fmus, tmp_path) -> None:
+    package = copy_sources(tmp_path / "copy")
+    for i, path in enumerate(sorted(tmp_path.rglob("*"))):
+        os.utime(path, (1e9 + i, 1e9 + 2 * i))
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    other = {"PYTHONHASHSEED": "5", "TZ": "Pacific/Auckland", "LC_ALL": "C", "HOME": "/nonexistent"}
+    build_from(package, tmp_path / "out", *NAMES, cwd=elsewhere, environment=other)
+    for name in NAMES:
+        same_files(interpreted_fmus / f"{name}.fmu", tmp_path / "out" / f"{name}.fmu")
+    if not why_not():
+        build_from(package, tmp_path / "compiled", *NAMES, compiled=True, cwd=elsewhere)
+        for name in NAMES:
+            same_files(fmus / f"{name}.fmu", tmp_path / "compiled" / f"{name}.fmu")
+    assert list(elsewhere.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(bool(why_not()), reason=f"not compiled: {why_not()}")
+def test_compiling_anew_gives_the_same_bytes(fmus, tmp_path) -> None:
+    package = copy_sources(tmp_path / "copy")
+    fresh = {"CURVEBOUND_CACHE": str(tmp_path / "cache")}
+    build_from(package, tmp_path / "out", *NAMES, compiled=True, environment=fresh)
+    for name in NAMES:
+        same_files(fmus / f"{name}.fmu", tmp_path / "out" / f"{name}.fmu")
+
+
+def test_the_date_is_that_of_the_sources_or_of_source_date_epoch(
+    undated, tmp_path, monkeypatch
+) -> None:
+    first = build("BeadOnWire", tmp_path / "a", compiled=False).path
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1234567890")
+    second = build("BeadOnWire", tmp_path / "b", compiled=False).path
+    assert head(second).get("generationDateAndTime") == "2009-02-13T23:31:30Z"
+    with zipfile.ZipFile(second) as archive:
+        assert {i.date_time for i in archive.infolist()} == {(2009, 2, 13, 23, 31, 30)}
+    assert head(first).get("generationDateAndTime") != "2009-02-13T23:31:30Z"
+    # the date is no part of the content
+    assert guid(first) == guid(second)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    third = build("BeadOnWire", tmp_path / "c", compiled=False).path
+    assert head(third).get("generationDateAndTime") == "1970-01-01T00:00:00Z"
+
+
+def test_the_guid_follows_the_content(interpreted_fmus, tmp_path) -> None:
+    package = copy_sources(tmp_path / "copy")
+    found = [{name: guid(interpreted_fmus / f"{name}.fmu") for name in NAMES}]
+    assert len(set(found[0].values())) == len(NAMES)
+
+    def rebuilt(label: str) -> dict[str, str]:
+        build_from(package, tmp_path / label, *NAMES)
+        found.append({name: guid(tmp_path / label / f"{name}.fmu") for name in NAMES})
+        return found[-1]
+
+    model = package / "models" / "bead_base.py"
+    replace_once(model, "self.k = self.d / self.m", "self.k = 1.0 * self.d / self.m")
+    changed = rebuilt("model")
+    # every FMU carries the whole kernel
+    assert all(changed[name] != found[0][name] for name in NAMES)
+    declaration = declarations(package) / "bead_on_wire.py"
+    declaration.write_text(declaration.read_text().replace('"wire.radius"', '"wire.radius" '))
+    again = rebuilt("declaration")
+    assert again["BeadOnWire"] != changed["BeadOnWire"]
+    assert again["ParabolaDrive"] == changed["ParabolaDrive"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_an_fmu_carries(fmus: Path, name: str) -> None:
+    with zipfile.ZipFile(fmus / f"{name}.fmu") as archive:
+        assert archive.testzip() is None
+        names = archive.namelist()
+        assert len(names) == len(set(names))
+        assert names[0] == "modelDescription.xml"
+        assert f"binaries/linux64/{name}.so" in names
+        assert f"binaries/win64/{name}.dll" in names
+        assert not [n for n in names if n.endswith(".pyc") or "__pycache__" in n or "\\" in n]
+        modules = [n for n in names if n.startswith("resources/") and n.endswith(".py")]
+        imported = set()
+        for module in modules:
+            for node in ast.walk(ast.parse(archive.read(module))):
+                if isinstance(node, ast.Import):
+                    imported |= {alias.name.split(".")[0] for alias in node.names}
+                elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                    imported.add((node.module or "").split(".")[0])
+        tops = {n.split("/")[1].removesuffix(".py") for n in modules}
+        # curvebound itself: only to_xml, which PythonFMU's builder calls, asks for it
+        assert imported - tops - {"curvebound"} <= set(sys.stdlib_module_names)
+
+
+def test_what_an_fmu_runs_does_not_need_the_package(interpreted_fmus: Path, tmp_path) -> None:
+    """Its resources alone, in a Python without site-packages."""
+    with zipfile.ZipFile(interpreted_fmus / "BeadOnWire.fmu") as archive:
+        archive.extractall(tmp_path)
+    resources = tmp_path / "resources"
+    main = (resources / "slavemodule.txt").read_text().strip()
+    script = (
+        "import importlib, sys\n"
+        f"sys.path.insert(0, {str(resources)!r})\n"
+        f"cls = importlib.import_module({main!r}).BeadOnWire\n"
+        f"slave = cls(instance_name='x', resources={str(resources)!r})\n"
+        "slave.setup_experiment(0.0); slave.enter_initialization_mode()\n"
+        "slave.exit_initialization_mode()\n"
+        "assert slave.do_step(0.0, 0.01) is True\n"
+        "assert not [m for m in sys.modules if m.split('.')[0] in ('numpy', 'pythonfmu')]\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", script], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_an_unknown_name_is_refused_with_those_that_exist(tmp_path) -> None:
+    with pytest.raises(CurveboundError, match="BeadOnWire, ParabolaDrive, ParabolaPendulum"):
+        build("NoSuchFmu", tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_building_leaves_the_interpreter_as_it_was(tmp_path) -> None:
+    path, modules, writes = sys.path[:], set(sys.modules), sys.dont_write_bytecode
+    cwd = Path.cwd()
+    build("ParabolaDrive", tmp_path, compiled=False)
+    assert sys.path == path
+    assert not [m for m in set(sys.modules) - modules if "ParabolaDrive_" in m]
+    assert sys.dont_write_bytecode == writes
+    assert Path.cwd() == cwd
+
+
+def test_a_build_that_fails_leaves_the_old_fmu(tmp_path, monkeypatch) -> None:
+    path = build("ParabolaDrive", tmp_path, compiled=False).path
+    before = path.read_bytes()
+
+    def fail(*_: object) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr("zipfile.ZipFile.writestr", fail)
+    with pytest.raises(OSError, match="disk full"):
+        build("ParabolaDrive", tmp_path, compiled=False)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
