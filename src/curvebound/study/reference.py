@@ -1,0 +1,182 @@
+"""References: what a scene's outputs are, and how sure that is.
+
+The solution is computed twice, by two methods on two formulations, both in extended precision:
+Gauss collocation on the generalised coordinates gives the values, and the closed form where there
+is one, else the extrapolated midpoint rule on Cartesian coordinates with multipliers, the witness.
+Twice the largest difference between them up to a time is the uncertainty stated for that time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .collocation import NOISE, Trajectory, collocate
+from .equations import Array, system_of
+from .extrapolation import extrapolate
+from .monolith import Monolith, Value, _Inputs
+
+if TYPE_CHECKING:
+    from ..cosim.system import System
+
+__all__ = ["Reference", "refer"]
+
+Number = np.longdouble
+_CHECKS = 100  # times at which the two computations are compared
+_FIRST = 1e-2  # s, first step tried
+
+
+class Reference:
+    """Exact outputs of a scene for one or more starts.
+
+    paths: the outputs; members: the number of starts.
+    how: the two computations, in words.
+    """
+
+    def __init__(
+        self,
+        monolith: Monolith,
+        trajectory: Trajectory,
+        paths: Sequence[str],
+        checks: Sequence[float],
+        witness: Mapping[str, Array],
+        how: str,
+    ) -> None:
+        self.paths = list(paths)
+        self.members = monolith.members
+        self.how = how
+        self.stop = trajectory.end
+        self._monolith = monolith
+        self._trajectory = trajectory
+        self._checks = np.array(checks)
+        own = self.values(self._checks)
+        self._uncertainty = {}
+        for path in paths:
+            difference = np.abs(own[path] - witness[path])
+            doubt = 2.0 * difference + NOISE * np.abs(own[path])
+            doubt = np.where(np.isfinite(doubt), doubt, np.inf)
+            self._uncertainty[path] = np.maximum.accumulate(doubt, axis=0).astype(float)
+
+    def values(self, times: Sequence[float] | NDArray[Any]) -> dict[str, Array]:
+        """Outputs by path at times (k,), each of shape (k, members), in extended precision."""
+        times = np.asarray(times, dtype=float)
+        return self._monolith.observe(self.paths, times, self._trajectory.states(times))
+
+    def uncertainty(self, path: str, times: Sequence[float] | NDArray[Any]) -> NDArray[Any]:
+        """Bound of the values' own error up to each time, shape (k, members)."""
+        index = np.searchsorted(self._checks, np.asarray(times, float) - 1e-12, "left")
+        table: NDArray[Any] = self._uncertainty[path]
+        return table[np.minimum(index, len(self._checks) - 1)]
+
+
+def refer(
+    system: System,
+    paths: Sequence[str],
+    *,
+    stop: float | None = None,
+    changes: Mapping[str, Value] | None = None,
+    continuous: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Reference:
+    """The reference of a scene that was checked, for its outputs `paths` up to `stop` (s).
+
+    changes: parameter values by path on top of the scene's: numbers, items of enumerations, or
+        arrays, one value for each member of an ensemble.
+    continuous: whether control laws and input functions act all the time, see monolith.
+    progress: called now and then with the share done.
+    Raises CurveboundError for a component without equations or a motion that ends in between.
+    """
+    end = system.scene.stop_time if stop is None else stop
+    begin = system.scene.start_time
+
+    def tell(share: float) -> None:
+        if progress is not None:
+            progress(share)
+
+    own = Monolith(system, changes, continuous=continuous)
+    trajectory = Trajectory(begin, own.start())
+    own.sample(begin, trajectory.final)
+    size = _FIRST
+    before = begin
+    nodes = 10 if own.is_sampled else 14
+    for event in own.events(end):
+        size = collocate(own.rates, before, event, trajectory, nodes=nodes, size=size)
+        own.sample(event, trajectory.final)
+        before = event
+        tell(0.5 * (event - begin) / (end - begin))
+    checks, exact = _closed_form(system, own, changes, continuous, begin, end)
+    if exact is not None:
+        plain = Monolith(system, changes, continuous=continuous)
+        how = "collocation; " + _closed_form_name(system)
+        return Reference(own, trajectory, paths, checks, plain.observe(paths, checks, exact), how)
+    other = Monolith(system, changes, continuous=continuous, witness=True)
+    state = other.start()
+    other.sample(begin, state)
+    events = list(other.events(end))
+    spacing = (end - begin) / _CHECKS
+    if own.is_sampled:
+        events = _thinned(events, begin, spacing)
+    else:
+        events = sorted({*events, *(begin + i * spacing for i in range(1, _CHECKS)), end})
+    checks = [begin]
+    states = [state]
+    size, before = _FIRST, begin
+    wanted = set(events)
+    for event in other.events(end) if own.is_sampled else events:
+        state, size = extrapolate(other.rates, before, event, state, size=size)
+        other.sample(event, state)
+        before = event
+        if event in wanted:
+            checks.append(event)
+            states.append(state)
+        tell(0.5 + 0.5 * (event - begin) / (end - begin))
+    witness = other.observe(paths, np.array(checks), np.stack(states, axis=1))
+    how = "collocation; extrapolated midpoint rule on Cartesian coordinates with multipliers"
+    return Reference(own, trajectory, paths, checks, witness, how)
+
+
+def _thinned(events: Sequence[float], begin: float, spacing: float) -> list[float]:
+    """Events about `spacing` apart, the last one included."""
+    kept, last = [], begin
+    for event in events:
+        if event - last >= spacing * (1.0 - 1e-9):
+            kept.append(event)
+            last = event
+    if not kept or kept[-1] != events[-1]:
+        kept.append(events[-1])
+    return kept
+
+
+def _closed_form(
+    system: System,
+    own: Monolith,
+    changes: Mapping[str, Value] | None,
+    continuous: bool,
+    begin: float,
+    end: float,
+) -> tuple[list[float], Array | None]:
+    """Check times and states there from closed forms, if every component has one that applies."""
+    if begin != 0.0 or any(s is not None for p in own.parts.values() for s in p.sources.values()):
+        return [], None
+    times = [end * i / 64 for i in range(1, 65)]
+    states = np.zeros((own.size, len(times), own.members), dtype=Number)
+    fresh = Monolith(system, changes, continuous=continuous)
+    for name, part in fresh.parts.items():
+        form = system_of(system.nodes[name].fmu.model_name).closed_form
+        if form is None:
+            return [], None
+        zero = np.zeros((1, 1), dtype=Number)
+        inputs = _Inputs(fresh, part, zero, fresh.start()[:, None])
+        found = form(part.equations, inputs, times)
+        if found is None:
+            return [], None
+        states[part.place] = found
+    return times, states
+
+
+def _closed_form_name(system: System) -> str:
+    names = {system_of(n.fmu.model_name).closed_form_name for n in system.nodes.values()}
+    return ", ".join(sorted(names))
