@@ -102,8 +102,15 @@ def test_opens_from_disk_without_an_error_or_a_request(
 
 def test_the_page_may_not_load_anything_even_if_it_wished(tab: Tab, pages: dict[str, Path]) -> None:
     tab.open(pages["bead"])
-    fetched = tab.run("fetch('file:///etc/hostname').then(() => 'loaded', () => 'refused')")
-    assert fetched == "refused"
+    tab.run(
+        "window.refused = [];"
+        "document.addEventListener('securitypolicyviolation', ({ effectiveDirective }) => "
+        "refused.push(effectiveDirective))"
+    )
+    tab.run("fetch('http://127.0.0.1:9/').catch(() => 0)")
+    tab.run("new Image().src = 'http://127.0.0.1:9/'")
+    tab.wait("refused.length > 1")
+    assert tab.run("refused.sort()") == ["connect-src", "img-src"]
     tab.run(
         "document.body.append(Object.assign(document.createElement('script'),"
         "{ textContent: 'window.ran = true' }))"

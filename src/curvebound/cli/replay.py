@@ -20,12 +20,15 @@ HELP = "replay results in the browser, side by side"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument(
+    import shtab
+
+    results = parser.add_argument(
         "results",
         nargs="+",
         metavar="[LABEL=]FILE.csv",
         help="results, the first being the one that the others are compared with",
     )
+    results.complete = shtab.FILE  # type: ignore[attr-defined]
     parser.add_argument(
         "--out", type=Path, metavar="FILE.html", help="default: beside the first result"
     )

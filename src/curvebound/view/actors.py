@@ -94,12 +94,12 @@ def missing(data: NDArray[Any]) -> str:
     have = {split_name(column)[1] for column in data.dtype.names or ()}
     said = []
     for kind, words in ((BEAD, "a bead on a wire"), (PENDULUM, "a pendulum on a parabola")):
+        needs = " or ".join(" and ".join(need) for need in _NEEDED[kind])
         best = max(_NEEDED[kind], key=lambda need: (len(have & set(need)) / len(need), -len(need)))
         lack = [name for name in best if name not in have]
-        there = [name for name in best if name in have]
-        part = f"{words} needs {' and '.join(best)}"
-        said.append(part + (f" ({', '.join(lack)} missing)" if there else ""))
-    return "; ".join(said)
+        near = len(lack) < len(best)
+        said.append(f"{words} needs {needs}" + (f"; {', '.join(lack)} missing" if near else ""))
+    return ", ".join(said)
 
 
 class _Source:

@@ -95,7 +95,7 @@ def box_of(actors: list[Actor], *, relative: bool = False) -> Box:
 def follows_frame(actors: list[Actor]) -> bool:
     """Whether the frames move so far that a picture of the whole would show nothing."""
     near, far = box_of(actors, relative=True), box_of(actors)
-    return any(far[i + 2] - far[i] > 3.0 * (near[i + 2] - near[i]) for i in (0, 1))
+    return any(far[i + 2] - far[i] > 2.0 * (near[i + 2] - near[i]) for i in (0, 1))
 
 
 def _box(actor: Actor, relative: bool) -> Box:

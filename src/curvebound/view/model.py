@@ -100,7 +100,7 @@ def _show(label: str, data: NDArray[Any], packer: Packer, notes: list[str], resu
             first = float(data["time"][int(np.argmax(bad))])
             notes.append(
                 f"{label}: {name} is not a finite number in {int(bad.sum()):,} of {len(data):,} "
-                f"samples, first at t = {first:g} s; they are left blank."
+                f"samples, first at t = {first:g} s: left blank there."
             )
     if len(data) == 1:
         notes.append(f"{label}: one sample only, so there is no motion to play.")
@@ -243,7 +243,7 @@ def _distances(
                 {
                     "actor": number,
                     "owner": _name(at, actor, shown),
-                    "label": f"distance of the {point}",
+                    "label": point,
                     "unit": "m",
                     "time": clock,
                     "values": packer.signal(distance, error=True),

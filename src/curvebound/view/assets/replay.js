@@ -227,6 +227,7 @@ class Page {
       get("panel").hidden = true;
       return;
     }
+    get("upper").classList.toggle("stacked", actors.length > 2);
     if (this.many) {
       const row = element("tr");
       row.append(element("th", "", { scope: "col" }));
