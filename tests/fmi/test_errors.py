@@ -634,3 +634,13 @@ def test_huge_and_tiny_values(extracted, name: str) -> None:
     ]
     for case, outcomes in zip(cases, outcomes_of(extracted[name], cases), strict=True):
         assert_honest(case, outcomes)
+
+
+def test_outputs_that_do_not_fit_a_float_fail_no_step(extracted) -> None:
+    """Reading them is refused; the steps themselves, however many, can be made."""
+    parameters = {"gravity.x": 1e150, "model.fidelity": "linear"}
+    calls = [*begun(parameters), *[("doStep", i * 1e-4, 1e-4) for i in range(40)]]
+    (outcomes,) = outcomes_of(extracted["ParabolaPendulum"], [[*calls, ("outputs",)]])
+    assert_fine(outcomes[: len(calls)])
+    assert_finite(outcomes)
+    assert outcomes[-1]["errors"]

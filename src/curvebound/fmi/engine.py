@@ -694,7 +694,12 @@ class PlantEngine(Engine):
         vr = self.table.by_name[name]
         group = self.groups[vr]
         if not self.fresh[group]:
+            queued = len(self.queue)
             self.refresh(group)
+            if len(self.queue) > queued:
+                # one does not fit a float: that fails a reading, where it is said, but not a step
+                del self.queue[queued:]
+                self.fresh[group] = False
         return self.reals[vr]
 
     def look(self) -> None:
