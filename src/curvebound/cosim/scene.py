@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .signals import SignalLike
     from .system import System
 
-__all__ = ["ALGORITHMS", "Adaptive", "Component", "Connection", "Needs", "Scene"]
+__all__ = ["ALGORITHMS", "Adaptive", "Component", "Connection", "Jumping", "Needs", "Scene"]
 
 ALGORITHMS = ("gauss_seidel", "jacobi", "strang")
 
@@ -75,6 +75,17 @@ class Needs:
     errors: dict[str, float] = field(default_factory=dict)
     budget: float | None = None
     frame_rate: float | None = None
+
+
+@dataclass(frozen=True)
+class Jumping:
+    """A function of time in s that is known to jump at the times `jumps`."""
+
+    function: Callable[[float], float]
+    jumps: Sequence[float]
+
+    def __call__(self, time: float) -> float:
+        return self.function(time)
 
 
 class Scene:
@@ -167,14 +178,18 @@ class Scene:
         self.matches.append((source, target))
         return self
 
-    def input(self, path: str, value: SignalLike) -> Scene:
+    def input(self, path: str, value: SignalLike, jumps: Sequence[float] = ()) -> Scene:
         """Drive an input, or a tunable parameter, from the scene.
 
         value: a number; a function of time in s; a pair (times, values); the path of a CSV file.
         It is evaluated at each communication point and held until the next one.
+        jumps: times in s at which a function jumps: adaptive macro steps end there, as they do
+        where a table gives a time twice; a jump that is not told they see up to a step late.
         """
         if path in self.inputs:
             raise CurveboundError(f"{path} is given twice as an input of the scene {self.name}.")
+        if jumps and callable(value):
+            value = Jumping(value, list(jumps))
         self.inputs[path] = value
         return self
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -495,10 +496,11 @@ def _locate(source: str | Path, folder: Path | None) -> Path:
     """The FMU file that a component names; one of ours is built if need be."""
     path = Path(source)
     if isinstance(source, str) and path.suffix.lower() != ".fmu" and path.name == source:
-        from ..fmi.build import build
-        from ..places import cache_directory
-
-        return Path(build(source, cache_directory() / "fmus").path)
+        built = _built(source)
+        if not built.is_file():  # the cache was emptied
+            _built.cache_clear()
+            built = _built(source)
+        return built
     if folder is not None and not path.is_absolute():
         path = folder / path
     return path
@@ -526,6 +528,15 @@ def _passing(order: list[str], edges: dict[str, dict[str, bool]]) -> set[str]:
             if rank[target] > rank[name]
         )
     }
+
+
+@functools.cache
+def _built(name: str) -> Path:
+    """One of our FMUs, built; once in a process, as its sources do not change under it."""
+    from ..fmi.build import build
+    from ..places import cache_directory
+
+    return Path(build(name, cache_directory() / "fmus").path)
 
 
 def _units_differ(a: Variable, b: Variable) -> bool:
