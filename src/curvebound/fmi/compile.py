@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import importlib
 import os
@@ -10,9 +11,15 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 from ..errors import CurveboundError
 from ..places import cache_directory
@@ -85,7 +92,10 @@ def compile_kernel(sources: Runtime) -> dict[str, bytes]:
         )
     cache = _cache(sources)
     if not cache.is_dir():
-        _compile_into(cache, sources)
+        cache.parent.mkdir(parents=True, exist_ok=True)
+        with _alone(cache.with_suffix(".lock")):
+            if not cache.is_dir():
+                _compile_into(cache, sources)
     return {
         path.relative_to(cache).as_posix(): path.read_bytes()
         for path in sorted(cache.rglob("*"))
@@ -93,10 +103,23 @@ def compile_kernel(sources: Runtime) -> dict[str, bytes]:
     }
 
 
+@contextlib.contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """Let other processes that want the same kernel wait for this one instead of compiling it too.
+
+    Without file locks (Windows) they compile side by side, which costs time only.
+    """
+    if fcntl is None:
+        yield
+        return
+    with path.open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
 def _compile_into(cache: Path, sources: Runtime) -> None:
     """Compile in a scratch folder and move the result to `cache` in one rename."""
     name = sources.package(compiled=True)
-    cache.parent.mkdir(parents=True, exist_ok=True)
     scratch = Path(tempfile.mkdtemp(prefix="compile-", dir=cache.parent))
     try:
         sources.write(scratch, name)
