@@ -106,9 +106,7 @@ def build_c_fmu(name: str, out: Path) -> Path:
     try:
         with zipfile.ZipFile(half, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("modelDescription.xml", _model_description(name, guid, variables))
-            archive.write(
-                library, f"binaries/{fmpy.platform}/{name}{fmpy.sharedLibraryExtension}"
-            )
+            archive.write(library, f"binaries/{fmpy.platform}/{name}{fmpy.sharedLibraryExtension}")
         os.replace(half, target)
     finally:
         Path(half).unlink(missing_ok=True)

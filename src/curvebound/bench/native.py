@@ -15,8 +15,19 @@ from pathlib import Path
 from ..errors import CurveboundError
 from ..places import cache_directory
 
-__all__ = ["FLAGS", "SOURCES", "Bead", "LinearPendulum", "Pendulum", "State", "compiler"]
-__all__ += ["kernel", "kernel_systems", "shared_library"]
+__all__ = [
+    "FLAGS",
+    "SOURCES",
+    "STARTS",
+    "Bead",
+    "LinearPendulum",
+    "Pendulum",
+    "State",
+    "compiler",
+    "kernel",
+    "kernel_systems",
+    "shared_library",
+]
 
 SOURCES = Path(__file__).resolve().parent / "c"
 FLAGS = ("-O2", "-std=c11", "-fPIC", "-shared", "-fvisibility=default")
@@ -64,21 +75,19 @@ def shared_library(source: str, *definitions: str) -> Path:
 class State(ctypes.Structure):
     """Coordinates and rates, as `state` in physics.h."""
 
-    _fields_ = [(name, ctypes.c_double) for name in ("q0", "q1", "v0", "v1")]  # noqa: RUF012
+    _fields_ = [(name, ctypes.c_double) for name in ("q0", "q1", "v0", "v1")]
 
 
 class Bead(ctypes.Structure):
     """`bead` of physics.h."""
 
-    _fields_ = [  # noqa: RUF012
-        (name, ctypes.c_double) for name in ("radius", "per_radius", "drag", "gx", "gy")
-    ]
+    _fields_ = [(name, ctypes.c_double) for name in ("radius", "per_radius", "drag", "gx", "gy")]
 
 
 class Pendulum(ctypes.Structure):
     """`pendulum` of physics.h."""
 
-    _fields_ = [  # noqa: RUF012
+    _fields_ = [
         *(
             (name, ctypes.c_double)
             for name in (
@@ -95,7 +104,7 @@ class Pendulum(ctypes.Structure):
 class LinearPendulum(ctypes.Structure):
     """`linear_pendulum` of physics.h."""
 
-    _fields_ = [(name, ctypes.c_double) for name in ("uu", "uth", "thu", "thth")]  # noqa: RUF012
+    _fields_ = [(name, ctypes.c_double) for name in ("uu", "uth", "thu", "thth")]
 
 
 def kernel() -> ctypes.CDLL:

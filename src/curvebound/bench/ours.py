@@ -11,8 +11,14 @@ from typing import Any
 from .contenders import Run, State4
 from .references import DURATION, on_wire
 
-__all__ = ["Kernel", "Loaded", "compiled_kernel", "interpreted_kernel", "leap_of_kernel"]
-__all__ += ["method_items"]
+__all__ = [
+    "Kernel",
+    "Loaded",
+    "compiled_kernel",
+    "interpreted_kernel",
+    "leap_of_kernel",
+    "method_items",
+]
 
 #: FMU -> module of its models and the function there that picks one by the choices
 _FACTORIES = {

@@ -29,7 +29,9 @@ _STARTS: dict[str, tuple[float, ...]] = {
 
 def decades(first: int, last: int, per_decade: int = 2) -> tuple[float, ...]:
     """Tolerances 10^first, ..., 10^last, `per_decade` a decade, getting smaller."""
-    return tuple(10.0 ** (-n / per_decade) for n in range(-first * per_decade, -last * per_decade + 1))
+    return tuple(
+        10.0 ** (-n / per_decade) for n in range(-first * per_decade, -last * per_decade + 1)
+    )
 
 
 def _result(system: str, values: Sequence[float]) -> State4:
@@ -187,7 +189,9 @@ def _mujoco(mujoco: Any, integrator: str, system: str) -> Callable[[float], Run]
             data.qpos[:] = start
 
         def state() -> State4:
-            return _result(system, [*(data.qpos[i] for i in picked), *(data.qvel[i] for i in picked)])
+            return _result(
+                system, [*(data.qpos[i] for i in picked), *(data.qvel[i] for i in picked)]
+            )
 
         return Run(reset, lambda: mujoco.mj_step(model, data, nstep=count), state)
 

@@ -31,27 +31,25 @@ def _shown(cell: Cell) -> str:
     return str(cell)
 
 
-def _styled(title: str) -> RichTable:
-    return RichTable(
-        title=title or None,
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-    )
+def _grid(console: Console, title: str) -> RichTable:
+    """An empty table below its title, which may be wider than the table."""
+    if title:
+        console.print(Text(f"\n{title}", "bold"))
+    return RichTable(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
 
 
 def _print_table(console: Console, table: Table) -> None:
-    shown = _styled(table.title)
+    shown = _grid(console, table.title)
     for name, first in zip(table.columns, table.rows[0] if table.rows else (), strict=False):
-        shown.add_column(name, justify="left" if isinstance(first, str) else "right")
+        is_text = isinstance(first, str)
+        shown.add_column(name, justify="left" if is_text else "right", no_wrap=is_text)
     for row in table.rows:
         shown.add_row(*map(_shown, row))
     console.print(shown)
 
 
 def _print_targets(console: Console, targets: list[Target]) -> None:
-    shown = _styled("Targets")
+    shown = _grid(console, "Targets")
     shown.add_column("what")
     for name in ("target", "measured", "met"):
         shown.add_column(name, justify="right")

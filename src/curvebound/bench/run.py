@@ -52,7 +52,9 @@ def run_sections(
             progress(name, made[0])
 
         progress(name, 0)
-        with tempfile.TemporaryDirectory(prefix="curvebound-bench-", ignore_cleanup_errors=True) as f:
+        with tempfile.TemporaryDirectory(
+            prefix="curvebound-bench-", ignore_cleanup_errors=True
+        ) as f:
             try:
                 sections.append(_run(name, settings, advance, Path(f)))
             except CurveboundError as error:

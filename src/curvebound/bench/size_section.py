@@ -1,4 +1,4 @@
-"""Section size: time and memory per instance and per step, which must not grow with their number."""
+"""Section size: time and memory per instance and per step must not grow with their number."""
 
 from __future__ import annotations
 

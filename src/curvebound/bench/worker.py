@@ -1,8 +1,8 @@
 """What the section size measures, one process each: python -m curvebound.bench.worker JSON.
 
 The argument is an object with name, folder and reference (extracted FMUs), instances, steps; one
-JSON object is printed. Only the process that holds the instances can tell what they cost. Each piece
-of work is timed beside as many steps of one instance of the reference FMU, because processes that
+JSON object is printed. Only the process that holds the instances can tell what they cost. Each
+piece of work is timed beside as many steps of one instance of the reference FMU, because processes that
 run one after the other meet a machine of different speed.
 """
 

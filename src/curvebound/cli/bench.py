@@ -51,6 +51,8 @@ def run(options: argparse.Namespace) -> int:
         )
     described = machine()
     print_report(sections, described, settings.rounds, every_point=options.every_point)
+    if options.quick:
+        Console(stderr=True).print("--quick: one small measurement each, not figures to quote")
     if options.json:
         save(as_data(sections, described, settings.rounds), options.json)
     return 0
