@@ -2,8 +2,8 @@
 
 The argument is an object with name, folder and reference (extracted FMUs), instances, steps; one
 JSON object is printed. Only the process that holds the instances can tell what they cost. Each
-piece of work is timed beside as many steps of one instance of the reference FMU, because processes that
-run one after the other meet a machine of different speed.
+piece of work is timed beside as many steps of one instance of the reference FMU, because processes
+that run one after the other meet a machine of different speed.
 """
 
 from __future__ import annotations
