@@ -91,3 +91,13 @@ def test_reuse_gives_the_same_bits_as_a_new_instance(name):
 def test_an_fmu_is_unpacked_once(mass_fmu):
     fmu = ring(mass_fmu, 2).check().nodes["m0"].fmu
     assert extracted(fmu) == extracted(fmu)
+
+
+def test_many_runs_leave_nothing_behind(mass_fmu):
+    """Prepared calls are made once, not once per run."""
+    with ring(mass_fmu, 3).prepare() as prepared:
+        prepared.run(stop_time=5e-3)
+        calls, kept = len(prepared.exchange._calls), len(prepared.exchange._kept)
+        for _ in range(50):
+            prepared.run(stop_time=5e-3)
+        assert (len(prepared.exchange._calls), len(prepared.exchange._kept)) == (calls, kept)

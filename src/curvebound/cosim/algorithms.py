@@ -27,11 +27,14 @@ ORDERS = {"jacobi": 1, "gauss_seidel": 1, "strang": 2}
 
 
 def advance_of(schedule: Schedule) -> Advance:
-    """The macro step of the scene's algorithm."""
-    algorithm = schedule.system.scene.algorithm
-    if algorithm == "strang":
-        return _strang(schedule)
-    return _sweep(schedule, passing_on=algorithm == "gauss_seidel")
+    """The macro step of the scene's algorithm; made once for a schedule."""
+    if schedule.advance is None:
+        algorithm = schedule.system.scene.algorithm
+        if algorithm == "strang":
+            schedule.advance = _strang(schedule)
+        else:
+            schedule.advance = _sweep(schedule, passing_on=algorithm == "gauss_seidel")
+    return schedule.advance
 
 
 def _sweep(schedule: Schedule, *, passing_on: bool) -> Advance:

@@ -39,6 +39,8 @@ class Exchange:
         self._inputs: dict[tuple[str, str], tuple[int, list[Port]]] = {}
         self._calls: dict[int, tuple[str, str]] = {}
         self._kept: list[Any] = []  # ctypes arrays that prepared calls point to
+        self._reads: dict[tuple[str, int], list[Call]] = {}
+        self._writes: dict[str, list[Call]] = {}
         self.feeders: dict[str, dict[Port, str]] = {name: {} for name in system.nodes}
         self._link: dict[Port, Link] = {link.target: link for link in system.links}
         self._lay_out()
@@ -134,22 +136,30 @@ class Exchange:
         return call
 
     def read(self, instance: Instance, level: int) -> list[Call]:
-        """Calls that read this component's outputs of a level."""
+        """Calls that read this component's outputs of a level; made once."""
+        known = self._reads.get((instance.name, level))
+        if known is not None:
+            return known
         calls = []
         for kind in KINDS:
             at, ports = self._segments.get((instance.name, kind, level), (0, []))
             if ports:
                 calls.append(self._transfer(instance, "Get", kind, at, ports))
+        self._reads[instance.name, level] = calls
         return calls
 
     def write(self, instance: Instance) -> list[Call]:
-        """Calls that bring this component's driven inputs up to date."""
+        """Calls that bring this component's driven inputs up to date; made once."""
+        known = self._writes.get(instance.name)
+        if known is not None:
+            return known
         calls: list[Call] = []
         for kind in KINDS:
             at, targets = self._inputs.get((instance.name, kind), (0, []))
             if targets:
                 calls += self._copies(kind, at, targets)
                 calls.append(self._transfer(instance, "Set", kind, at, targets))
+        self._writes[instance.name] = calls
         return calls
 
     def _copies(self, kind: str, at: int, targets: list[Port]) -> list[Call]:
@@ -200,6 +210,8 @@ class Exchange:
         """Drop what belongs to instances that are gone."""
         self._calls.clear()
         self._kept.clear()
+        self._reads.clear()
+        self._writes.clear()
 
     def origin(self, call: Call) -> tuple[str, str]:
         """Component and FMI function of a prepared call."""

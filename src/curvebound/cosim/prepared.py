@@ -17,10 +17,10 @@ from .fmu import Value
 from .instance import CallFailed, Instance, Library, Log
 from .loops import LoopFailed
 from .recording import Recording
+from .resolution import resolve
 from .results import Result, RunFailed
 from .scene import Scene
 from .schedule import Schedule
-from .system import resolve
 
 __all__ = ["Prepared", "communication_points"]
 

@@ -269,7 +269,7 @@ class Scene:
 
     def check(self) -> System:
         """Resolve every name and check everything; CurveboundError lists all that is wrong."""
-        from .system import resolve
+        from .resolution import resolve
 
         return resolve(self)
 

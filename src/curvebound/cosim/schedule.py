@@ -6,7 +6,7 @@ needed, so that running it is a loop over calls without any decision.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from ctypes import c_double
 
 import numpy as np
@@ -42,6 +42,7 @@ class Schedule:
         self.exchange = exchange
         self.instances = instances
         self._signals = exchange.signal_setters()
+        self.advance: Callable[[float, float], None] | None = None  # made by algorithms.advance_of
         self._states = {
             name: exchange.read(instances[name], 0) for name in system.nodes
         }  # outputs that are functions of the state alone
@@ -188,12 +189,4 @@ class Schedule:
         self.exchange.reals[:], self.exchange.others[:] = saved
         for instance in self.instances.values():
             instance.restore()
-        self.run(self._all_writes)
-
-    @property
-    def _all_writes(self) -> list[Call]:
-        calls = getattr(self, "_writes", None)
-        if calls is None:
-            calls = [c for i in self.instances.values() for c in self.exchange.write(i)]
-            self._writes: list[Call] = calls
-        return calls
+        self.write_all()
