@@ -125,14 +125,17 @@ def test_motion_runs_in_real_time(tab: Tab, pages: dict[str, Path], speed: float
         "new Promise((done) => requestAnimationFrame((now) => done([now, curvebound.player.time])))"
     )
     tab.run(stamp)
+    asked = [time.monotonic()]
     before = tab.run(stamp)
-    wall = time.monotonic()
+    asked.append(time.monotonic())
     time.sleep(1.5)
+    asked.append(time.monotonic())
     after = tab.run(stamp)
-    wall = time.monotonic() - wall
-    shown = after[1] - before[1]
-    assert shown / ((after[0] - before[0]) / 1e3) == pytest.approx(speed, rel=0.01)
-    assert shown / wall == pytest.approx(speed, rel=0.05)
+    asked.append(time.monotonic())
+    shown = (after[1] - before[1]) / speed
+    assert shown == pytest.approx((after[0] - before[0]) / 1e3, rel=0.01), "the browser's clock"
+    # Ours, but for the time that asking took.
+    assert 0.95 * (asked[2] - asked[1]) < shown < 1.05 * (asked[3] - asked[0])
 
 
 @pytest.mark.parametrize("size", [(1280, 900, False, 1), (390, 844, True, 2)])
@@ -427,29 +430,30 @@ def test_a_long_result_is_small(tmp_path: Path, kind: str, most: float) -> None:
     assert out.stat().st_size < most
 
 
-def test_a_long_result_is_fluent(tab: Tab, new_tab: Callable[[], Tab], tmp_path: Path) -> None:
+def test_a_long_result_is_fluent(tab: Tab, tmp_path: Path) -> None:
     """At least 50 frames a second with 1e5 samples of 10 signals.
 
-    Where other work on the machine keeps even an empty page from that, nine tenths of its rate.
+    Where other work on the machine keeps even a page at rest from that, nine tenths of its rate.
     """
     out = write_replay([("long", long_result(100_000, "motion"))], tmp_path / "long.html")
     tab.open(out, "play=1&t=20")
     tab.wait("curvebound.player.time > 20.5")
-    for _ in range(5):
+
+    def rate() -> float:
         tab.run("curvebound.frameTimes.length = 0")
-        time.sleep(1.5)
-        rate = tab.run("curvebound.framesPerSecond()")
-        if rate >= 50:
+        time.sleep(1.2)
+        return float(tab.run("curvebound.framesPerSecond()"))
+
+    shares = []
+    for _ in range(6):
+        playing = rate()
+        if playing >= 50:
             break
-    else:
         tab.run("curvebound.player.pause()")
-        count = "let n = 0; const tick = () => { if (performance.now() > end) done(n / 1.5);"
-        empty = new_tab().run(
-            f"new Promise((done) => {{ const end = performance.now() + 1500; {count} "
-            "n++; requestAnimationFrame(tick) }; tick() })"
-        )
-        assert empty < 50, f"{rate} frames a second where an empty page has {empty}"
-        assert rate > 0.9 * empty
+        shares.append(playing / min(rate(), 60))
+        tab.run("curvebound.player.play()")
+    else:
+        assert max(shares) > 0.9, f"{playing} frames a second, of those at rest {shares}"
     assert tab.errors == []
 
 
