@@ -12,8 +12,8 @@
  *     fmi2SetFMUstate (sections 3 and 6);
  *   - it decodes the resource URI and checks the GUID (section 5).
  *
- * Threads: different instances may be used by different threads at once. One instance must be used by
- * one thread at a time; a second call that comes while one runs is refused.
+ * Threads: different instances may be used by different threads at once. The standard wants one
+ * instance to be used by one thread at a time; here a second call waits until the first has ended.
  *
  * C11 and POSIX, no dependency but libdl. See the FMI specification 2.0.4, sections 2.1 and 4.2.
  */
@@ -50,12 +50,6 @@ __asm__(".symver dlsym, dlsym@GLIBC_2.2.5");
 __asm__(".symver dlerror, dlerror@GLIBC_2.2.5");
 __asm__(".symver dladdr, dladdr@GLIBC_2.2.5");
 __asm__(".symver dlclose, dlclose@GLIBC_2.2.5");
-#endif
-
-#if defined __SANITIZE_ADDRESS__
-#define DEEPBIND 0 /* the sanitizer refuses RTLD_DEEPBIND */
-#else
-#define DEEPBIND RTLD_DEEPBIND
 #endif
 
 #define EXPORT __attribute__((visibility("default")))
@@ -183,7 +177,8 @@ typedef enum { INSTANCE = 5, STATE = 6 } Kind;
 typedef struct {
     _Atomic uintptr_t handle; /* 0: vacant */
     _Atomic uintptr_t owner;  /* of a state: the instance with which it is freed at the latest */
-    atomic_bool busy;         /* a call is using the object */
+    atomic_bool busy;         /* a call is using the object: */
+    _Atomic pthread_t user;   /* one of this thread */
     void *object;
     uint32_t uses;
     uint32_t next;            /* vacant slots form a list */
@@ -252,31 +247,43 @@ static Slot *find(Kind kind, void *handle)
     return slot && atomic_load_explicit(&slot->handle, memory_order_acquire) == number ? slot : NULL;
 }
 
-/* The slot behind a valid handle, for the caller alone until release(); NULL with errno EINVAL when
- * the handle is not (or no longer) one of this library, EBUSY when another call holds it. */
+static void release(Slot *slot)
+{
+    atomic_store_explicit(&slot->user, (pthread_t)0, memory_order_relaxed);
+    atomic_store_explicit(&slot->busy, false, memory_order_release);
+}
+
+/* Wait until another thread's call has ended. False for a call within a call of the same thread (from
+ * the tool's logger), and after ten seconds: then the other one waits for something of this thread. */
+static bool RARE wait_for(Slot *slot)
+{
+    const struct timespec moment = {.tv_nsec = 100000};
+    for (int k = 0; k < 100000; k++) {
+        if (pthread_equal(atomic_load(&slot->user), pthread_self()))
+            return false;
+        nanosleep(&moment, NULL);
+        if (!atomic_exchange_explicit(&slot->busy, true, memory_order_acquire))
+            return true;
+    }
+    return false;
+}
+
+/* The slot behind a valid handle, for the caller alone until release(); NULL when the handle is not (or
+ * no longer) one of this library, or the object cannot be had. */
 static Slot *acquire(Kind kind, void *handle)
 {
     Slot *slot = find(kind, handle);
-    if (!slot) {
-        errno = EINVAL;
+    if (!slot)
         return NULL;
-    }
-    if (atomic_exchange_explicit(&slot->busy, true, memory_order_acquire)) {
-        errno = EBUSY;
+    if (atomic_exchange_explicit(&slot->busy, true, memory_order_acquire) && !wait_for(slot))
         return NULL;
-    }
+    atomic_store_explicit(&slot->user, pthread_self(), memory_order_relaxed);
     /* It may have been freed, and even issued anew, since find(). */
     if (atomic_load_explicit(&slot->handle, memory_order_acquire) != (uintptr_t)handle) {
-        atomic_store_explicit(&slot->busy, false, memory_order_release);
-        errno = EINVAL;
+        release(slot);
         return NULL;
     }
     return slot;
-}
-
-static void release(Slot *slot)
-{
-    atomic_store_explicit(&slot->busy, false, memory_order_release);
 }
 
 /* Make an acquired slot vacant; its handle is refused from now on. */
@@ -750,9 +757,10 @@ static bool load(Text *why)
     } else if (!loaded && have_python(why)) {
         Text path = {0};
         append(&path, "%s/pythonfmu-export.so", folder);
-        /* Private to this FMU, whatever other wrappers the process has made public; for ever, because
-         * Python objects hold on to it. */
-        void *library = dlopen(text_of(&path), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE | DEEPBIND);
+        /* Private to this FMU, whatever other wrappers the process has made public (the address
+         * sanitizer refuses that); for ever, because Python objects hold on to it. */
+        int deep = dlsym(RTLD_DEFAULT, "__asan_init") ? 0 : RTLD_DEEPBIND;
+        void *library = dlopen(text_of(&path), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE | deep);
         free(path.text);
         const char *error = library ? NULL : dlerror();
         bool complete = library;
@@ -863,32 +871,20 @@ static const char *name_of(Phase phase)
     return "";
 }
 
-/* Say why a call is refused. */
-static Slot *RARE refused(Slot *slot, fmi2Component c, const char *function)
-{
-    if (slot) {
-        Instance *i = slot->object;
-        refuse(i, "%s is not allowed %s", function, name_of(i->phase));
-        release(slot);
-    } else if (errno == EBUSY) {
-        Slot *held = find(INSTANCE, c);
-        Instance *i = held ? held->object : NULL;
-        if (i)
-            refuse(i, "%s was called while another call on the same instance was running: use an "
-                      "instance from one thread at a time", function);
-    } /* else there is nobody to tell */
-    return NULL;
-}
-
-/* Begin a call: the instance, for this call alone until done() or finish(); NULL, with the reason
- * logged, when the call is not allowed. */
+/* Begin a call: the instance, for this call alone until done() or finish(). NULL when the call is
+ * refused; the reason is logged where there is an instance to log it. */
 static __attribute__((noinline)) Slot *begin(fmi2Component c, const char *function, int allowed)
 {
     Slot *slot = acquire(INSTANCE, c);
-    Instance *i = slot ? slot->object : NULL;
-    if (!i || !(i->phase & allowed))
-        return refused(slot, c, function);
+    if (!slot)
+        return NULL;
+    Instance *i = slot->object;
     i->worst = fmi2OK;
+    if (!(i->phase & allowed)) {
+        refuse(i, "%s is not allowed %s", function, name_of(i->phase));
+        release(slot);
+        return NULL;
+    }
     return slot;
 }
 
@@ -1021,9 +1017,8 @@ static Slot *begin_state(Instance *i, const char *function, fmi2FMUstate handle)
 {
     Slot *slot = acquire(STATE, handle);
     if (!slot)
-        refuse(i, errno == EBUSY ? "%s: the state is in use by another thread"
-                                 : "%s: not a state of this FMU, or already freed: pass one that "
-                                   "fmi2GetFMUstate or fmi2DeSerializeFMUstate gave", function);
+        refuse(i, "%s: not a state of this FMU, or already freed: pass one that fmi2GetFMUstate or "
+                  "fmi2DeSerializeFMUstate gave", function);
     return slot;
 }
 
