@@ -146,6 +146,7 @@ class Prepared:
             raise
         result = self._result(recording, counters, began)
         result.stepping = clock.perf_counter() - stepping
+        result.settings["step"] = size
         if progress is not None:
             progress(end)
         return result
