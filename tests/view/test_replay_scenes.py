@@ -11,10 +11,18 @@ from test_replay_page import away, middle, show
 from curvebound.cosim import load_scene, scene_names
 from curvebound.view import write_replay
 
+# One of each kind; the others, of the same kinds, take half a minute more.
+_QUICK = ("bead_on_wire", "inverted_balance", "pumped_swing", "two_wires")
 _MOST = 1.0  # s simulated: enough to see that it moves
 
 
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name in _QUICK else pytest.param(name, marks=pytest.mark.slow)
+        for name in scene_names()
+    ],
+)
 def test_scene(tab: Tab, tmp_path: Path, name: str) -> None:
     scene = load_scene(name)
     scene.stop_time = min(scene.stop_time, scene.start_time + _MOST)
