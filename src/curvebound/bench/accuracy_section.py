@@ -71,8 +71,7 @@ def _ours(quick: bool, folder: Path) -> list[Contender]:
                 values: dict[str, float] = values,
                 loaded: Loaded = loaded,
             ) -> Run:
-                given = {**values, name: value}
-                return loaded.leap(loaded.slave(given), given)
+                return loaded.leap(loaded.slave({**values, name: value}))
 
             def through_kernel(
                 value: float,

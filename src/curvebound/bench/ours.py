@@ -89,6 +89,10 @@ def compiled_kernel() -> Kernel:
     return Kernel(load().__name__)
 
 
+def _ignore(*message: object) -> None:
+    """A logger that drops what it is given."""
+
+
 @dataclass
 class Loaded:
     """An FMU that is extracted and described, from which slaves are made."""
@@ -117,15 +121,27 @@ class Loaded:
 
     def slave(self, values: Mapping[str, float] | None = None) -> Any:
         """An instance as fmpy makes it, initialized with parameters `values`."""
-        from fmpy.fmi2 import FMU2Slave
+        from fmpy.fmi1 import calloc, free
+        from fmpy.fmi2 import (
+            FMU2Slave,
+            fmi2CallbackAllocateMemoryTYPE,
+            fmi2CallbackFreeMemoryTYPE,
+            fmi2CallbackFunctions,
+            fmi2CallbackLoggerTYPE,
+        )
 
+        # fmpy's own logger prints, which is neither to be timed nor to be seen between tables
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(_ignore)
+        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         slave = FMU2Slave(
             guid=self.description.guid,
             unzipDirectory=str(self.folder),
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=self.name,
         )
-        slave.instantiate()
+        slave.instantiate(callbacks=callbacks)
         self.begin(slave, values or {})
         return slave
 
@@ -140,13 +156,14 @@ class Loaded:
         slave.enterInitializationMode()
         slave.exitInitializationMode()
 
-    def leap(self, slave: Any, values: Mapping[str, float]) -> Run:
+    def leap(self, slave: Any) -> Run:
         """The whole integration in one doStep."""
         wanted = [self.references[name] for name in _STATES[self.name]]
+        # not fmi2Reset: initialization would leave the caches to the Python interpreter
+        start = slave.getFMUstate()
 
         def reset() -> None:
-            slave.reset()
-            self.begin(slave, values)
+            slave.setFMUstate(start)
 
         def state() -> State4:
             q0, q1, v0, v1 = slave.getReal(wanted)

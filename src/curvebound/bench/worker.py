@@ -62,7 +62,7 @@ class _Group:
     def add(self, count: int) -> None:
         for _ in range(count):
             slave = copy.copy(self.members[0])
-            slave.instantiate()
+            slave.instantiate(callbacks=slave.callbacks)
             self.loaded.begin(slave, {"solver.step": _STEP})
             self.members.append(slave)
 
