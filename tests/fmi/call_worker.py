@@ -75,7 +75,7 @@ class Driver:
             return instance.status("setFMUstate", self.saved), None
         if name.startswith("get"):
             status = read(name, *arguments)
-            return status, values[0] if values else None
+            return status, str(values[0]) if values else None
         return instance.status(name, *arguments), None
 
     def case(self, calls: Sequence[Call]) -> list[Outcome]:

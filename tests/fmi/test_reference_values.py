@@ -123,6 +123,7 @@ def test_adaptive_takes_the_tolerance_of_setup_experiment_bit_for_bit(extracted)
                 "solver.max_steps": 2000000,
             },
             id="implicit",
+            marks=pytest.mark.slow,
         ),
     ],
 )
