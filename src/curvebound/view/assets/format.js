@@ -22,7 +22,7 @@ function formatter(values, error) {
     if (counts && !Number.isInteger(value)) counts = false;
   }
   const whole = Math.floor(Math.log10(largest));
-  const decimals = counts ? 0 : Math.min(Math.max(4 - whole, 0), 6);
+  const decimals = counts ? 0 : Math.min(Math.max(4 - whole, 0), 8);
   const plain = !error && ((whole >= -4 && whole <= 6) || (counts && whole < 15));
   return (value) => {
     if (!Number.isFinite(value)) return "\u2013";
