@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     for heading in ("simulated", "wall", "steps", "|residual|", "|drift|"):
         table.add_column(heading, justify="right")
     failures: list[str] = []
-    results: list[tuple[str, Result]] = []
+    results: list[tuple[Scene, Result]] = []
     with Progress(
         TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(),
         console=console, transient=True, disable=not console.is_terminal,
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
                 result = error.result
                 failures.append(str(error))
             result.write(out / f"{name}.csv")
-            results.append((name, result))
+            results.append((scene, result))
             table.add_row(
                 name,
                 f"{result.time[-1] - result.time[0]:g} s" if len(result.data) else "-",
@@ -73,9 +73,55 @@ def run(options: argparse.Namespace) -> int:
             progress.advance(task)
     console.print(table)
     console.print(f"results: {out}/*.csv")
+    with console.status("drawing the gallery"):
+        console.print(f"gallery: {_gallery(results, out)}")
     for failure in failures:
         console.print(f"[bold red]failed:[/] {failure}")
     return 1 if failures else 0
+
+
+def _gallery(results: list[tuple[Scene, Result]], out: Path) -> Path:
+    """A page with a card per scene; pictures only where matplotlib is installed."""
+    from ..errors import CurveboundError
+    from ..view import Card, write_gallery, write_picture, write_replay
+
+    cards = []
+    for scene, result in results:
+        picture: Path | None = out / f"{scene.name}.png"
+        try:
+            assert picture is not None
+            write_picture(result.data, picture, title=scene.name)
+        except CurveboundError:
+            picture = None
+        replay = write_replay([(scene.name, result.data)], out / f"{scene.name}.html")
+        cards.append(
+            Card(
+                scene.name,
+                scene.description,
+                picture,
+                settings=_settings(scene),
+                error=f"energy residual {_largest(result, '.energy.residual', 'J')}",
+                cost=f"{1e6 * result.stepping / max(result.steps, 1):.0f} us per macro step",
+                links={
+                    "replay": replay,
+                    "study": out / "study" / scene.name / "index.html",
+                    "stability": out / "stability" / scene.name / "index.html",
+                },
+            )
+        )
+    return write_gallery(cards, out / "index.html")
+
+
+def _settings(scene: Scene) -> dict[str, str]:
+    """What distinguishes the scene's numerics."""
+    settings = {"communication step": f"{scene.step:g} s"}
+    if len(scene.components) > 1:
+        settings["algorithm"] = scene.algorithm
+    for component in scene.components.values():
+        for name, value in component.start.items():
+            if name.startswith(("solver.", "model.", "constraint.stabilization")):
+                settings[f"{component.name}.{name}"] = str(value)
+    return settings
 
 
 def _measures(scene: Scene) -> list[str]:
