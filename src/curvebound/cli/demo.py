@@ -101,7 +101,7 @@ def _gallery(results: list[tuple[Scene, Result]], out: Path) -> Path:
                 picture,
                 settings=_settings(scene),
                 error=f"energy residual {_largest(result, '.energy.residual', 'J')}",
-                cost=f"{1e6 * result.stepping / max(result.steps, 1):.0f} us per macro step",
+                cost=f"{result.wall:.2f} s of wall time, set-up included",
                 links={
                     "replay": replay,
                     "study": out / "study" / scene.name / "index.html",
