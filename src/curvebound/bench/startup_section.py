@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -33,26 +32,37 @@ from pathlib import Path
 from {root}.bench.ours import Loaded
 loaded = Loaded({name!r}, Path({folder!r}))
 from fmpy.fmi2 import FMU2Slave
-begin = time.perf_counter()
+spent = [time.process_time()]
 loaded.slave()
-middle = time.perf_counter()
+spent.append(time.process_time())
 loaded.slave()
-print(middle - begin, time.perf_counter() - middle)
+spent.append(time.process_time())
+print(spent[1] - spent[0], spent[2] - spent[1])
 """
 
 _BUILD = """
-import sys, time
+import os
 from pathlib import Path
-begin = time.perf_counter()
+begin = sum(os.times()[:4])
 from {root}.fmi.build import build
 build({name!r}, Path({folder!r}))
-print(time.perf_counter() - begin)
+print(sum(os.times()[:4]) - begin)
 """
 
 
+def _children() -> float:
+    """CPU time of the processes that this one has started and waited for (s)."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return sum(os.times()[2:4])
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def _python(code: str, **environment: str) -> tuple[float, str]:
-    """Wall-clock time of a fresh interpreter that runs `code` (s), and what it printed."""
-    began = time.perf_counter()
+    """CPU time of a fresh interpreter that runs `code` (s), and what it printed."""
+    began = _children()
     done = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
@@ -60,7 +70,7 @@ def _python(code: str, **environment: str) -> tuple[float, str]:
         check=False,
         env={**os.environ, **environment},
     )
-    spent = time.perf_counter() - began
+    spent = _children() - began
     if done.returncode:
         tail = "\n".join(done.stderr.splitlines()[-5:])
         raise CurveboundError(f"a start-up run failed (status {done.returncode}):\n{tail}")
@@ -68,7 +78,7 @@ def _python(code: str, **environment: str) -> tuple[float, str]:
 
 
 def _whole(code: str) -> list[float]:
-    """Wall-clock time of the interpreter's whole life (s)."""
+    """Time of the interpreter's whole life (s)."""
     return [_python(code)[0]]
 
 
@@ -79,7 +89,7 @@ def _printed(code: str, **environment: str) -> list[float]:
 
 def startup_section(settings: Settings, advance: Callable[[], object], folder: Path) -> Section:
     """Measure in fresh processes; scratch files go to `folder`."""
-    section = Section("startup", "Start-up: seconds of wall-clock time, each in a fresh process")
+    section = Section("startup", "Start-up: seconds of CPU time, each in a fresh process")
     sides = {"our FMU": load_ours(_NAME, folder)}
     try:
         sides["C FMU"] = load_theirs(_NAME, folder)
