@@ -115,7 +115,18 @@ def compile_c(source: Path, target: Path, *flags: str) -> Path:
     if command is None or sys.platform != "linux":
         pytest.skip("no C compiler on Linux here")
     done = subprocess.run(
-        [command, "-std=c11", "-Wall", "-Wextra", *flags, str(source), "-o", str(target), "-ldl", "-lpthread"],
+        [
+            command,
+            "-std=c11",
+            "-Wall",
+            "-Wextra",
+            *flags,
+            str(source),
+            "-o",
+            str(target),
+            "-ldl",
+            "-lpthread",
+        ],
         capture_output=True,
         text=True,
     )

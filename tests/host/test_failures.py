@@ -1,4 +1,4 @@
-"""Failures inside an FMU: fmi2Error, one message, and an instance that works again after fmi2Reset."""
+"""Failures inside an FMU: fmi2Error, one message, and an instance that works after fmi2Reset."""
 
 from __future__ import annotations
 
@@ -94,7 +94,11 @@ def test_steps_fail_and_keep_the_state(host, fmus, fmu):
     unpacked = fmus[fmu]
     outputs = f"get 0 {' '.join(map(str, unpacked.outputs()))}"
     steps = [
-        *((f"set 0 {unpacked.vr[n]} {v}", "step 0 0.1 0.1", n, v) for n in INPUTS[fmu] for v in (NAN, INF)),
+        *(
+            (f"set 0 {unpacked.vr[n]} {v}", "step 0 0.1 0.1", n, v)
+            for n in INPUTS[fmu]
+            for v in (NAN, INF)
+        ),
         ("get 0 0", "step 0 0.1 0", "step", "0"),
         ("get 0 0", "step 0 0.1 -0.1", "step", "0.1"),
         ("get 0 0", "step 0 0.1 nan", "step", "nan"),
@@ -151,7 +155,7 @@ def test_the_largest_number_of_steps(host, bead):
     assert_one_message(result.logs, "solver.max_steps", "10")
 
 
-# -- other people's slaves, which raise, log and give up ---------------------------------------------
+# -- other people's slaves, which raise, log and give up
 
 
 def acting(odd, act):
@@ -226,7 +230,15 @@ def test_an_error_message_makes_an_error(host, odd):
 
 def test_a_slave_that_gives_up_discards_the_step(host, odd):
     result = host(
-        [*odd.start(), *acting(odd, 3), "step 0 0 0.5", "status 0", "step 0 0.5 0.5", "terminate 0", "free 0"]
+        [
+            *odd.start(),
+            *acting(odd, 3),
+            "step 0 0 0.5",
+            "status 0",
+            "step 0 0.5 0.5",
+            "terminate 0",
+            "free 0",
+        ]
     )
     assert [a[0] for a in result.answers] == ["OK"] * 6 + ["Discard", "OK", "Error", "OK", "OK"]
     assert result.answers[7] == ["OK", "Discard", "OK", "0", "Error", "OK", "1", "OK", "''"]

@@ -1,7 +1,7 @@
 """Random sequences of FMI calls, the forwarding library under the address sanitizer.
 
-Always the same ones, unless FUZZ_SEED gives another seed ("random" draws one). The seed is printed, and
-a failure names the sequence.
+Always the same ones, unless FUZZ_SEED gives another seed ("random" draws one). The seed is printed,
+and a failure names the sequence.
 """
 
 from __future__ import annotations
@@ -50,7 +50,9 @@ def fuzz(program, fmus, name, count, tmp_path):
     fmu = fmus[name]
     other = next(f for n, f in fmus.items() if n != name)
     variables = tmp_path / "variables.txt"
-    lines = [f"{v.get('valueReference')} {letter(v)} {v.get('causality')[0]}" for v in fmu.variables]
+    lines = [
+        f"{v.get('valueReference')} {letter(v)} {v.get('causality')[0]}" for v in fmu.variables
+    ]
     variables.write_text("\n".join(lines) + "\n")
     seed = os.environ.get("FUZZ_SEED", "20")
     if seed == "random":

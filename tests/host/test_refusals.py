@@ -1,4 +1,4 @@
-"""What the forwarding library refuses: wrong order, wrong pointers, wrong FMU; and where it finds it."""
+"""What the forwarding library refuses (order, pointers, FMU), and which folders it finds."""
 
 from __future__ import annotations
 
@@ -31,21 +31,38 @@ def assert_refused(result, at, *words):
         (["exit 0"], ("fmi2ExitInitializationMode", "before")),
         (["get 0 0"], ("fmi2GetReal", "before fmi2EnterInitializationMode")),
         (["terminate 0"], ("fmi2Terminate",)),
-        (["setup 0 - 0 -", "enter 0", "enter 0"], ("fmi2EnterInitializationMode", "in initialization mode")),
+        (
+            ["setup 0 - 0 -", "enter 0", "enter 0"],
+            ("fmi2EnterInitializationMode", "in initialization mode"),
+        ),
         (["setup 0 - 0 -", "enter 0", "setup 0 - 0 -"], ("fmi2SetupExperiment",)),
         (["setup 0 - nan -"], ("startTime = nan",)),
         (["setup 0 - 1 inf"], ("stopTime = inf",)),
         (["setup 0 - 2 1"], ("stopTime = 1", "startTime = 2")),
         (["setup 0 - 0 -", "enter 0", "exit 0", "enter 0"], ("between communication steps",)),
-        (["setup 0 - 0 0.25", "enter 0", "exit 0", "step 0 0 0.2", "step 0 0.2 0.2"], ("stopTime = 0.25",)),
-        (["setup 0 - 0 -", "enter 0", "exit 0", "terminate 0", "step 0 0 0.1"], ("after fmi2Terminate",)),
-        (["setup 0 - 0 -", "enter 0", "exit 0", "terminate 0", "terminate 0"], ("after fmi2Terminate",)),
-        (["setup 0 - 0 -", "enter 0", "exit 0", "terminate 0", "set 0 0 1"], ("after fmi2Terminate",)),
+        (
+            ["setup 0 - 0 0.25", "enter 0", "exit 0", "step 0 0 0.2", "step 0 0.2 0.2"],
+            ("stopTime = 0.25",),
+        ),
+        (
+            ["setup 0 - 0 -", "enter 0", "exit 0", "terminate 0", "step 0 0 0.1"],
+            ("after fmi2Terminate",),
+        ),
+        (
+            ["setup 0 - 0 -", "enter 0", "exit 0", "terminate 0", "terminate 0"],
+            ("after fmi2Terminate",),
+        ),
+        (
+            ["setup 0 - 0 -", "enter 0", "exit 0", "terminate 0", "set 0 0 1"],
+            ("after fmi2Terminate",),
+        ),
         (["cancel 0"], ("fmi2CancelStep",)),
     ],
 )
 def test_the_order_of_calls(host, bead, commands, words):
-    result = host([*bead.start(), *commands, "reset 0", "setup 0 - 0 -", "enter 0", "exit 0", "step 0 0 1"])
+    result = host(
+        [*bead.start(), *commands, "reset 0", "setup 0 - 0 -", "enter 0", "exit 0", "step 0 0 1"]
+    )
     at = 1 + len(commands)
     assert [a[0] for a in result.answers[:at]] == ["OK"] * at
     assert_refused(result, at, *words)
@@ -93,7 +110,9 @@ def test_null_arguments(host, bead):
 
 def test_strange_components(host, bead, pendulum):
     # a component of another FMU
-    result = host([*pendulum.start(1, 0), f"load 0 {bead.binary}", "strange 0", "setup 0 - 0 -", "enter 0"])
+    result = host(
+        [*pendulum.start(1, 0), f"load 0 {bead.binary}", "strange 0", "setup 0 - 0 -", "enter 0"]
+    )
     assert set(result.answers[3]) == {"Error"}
     assert result.messages == []
     assert result.answers[4:] == [["OK"]] * 2
@@ -111,13 +130,18 @@ def test_derivatives_are_not_offered(host, bead):
         assert name in text
 
 
-# -- instantiation --------------------------------------------------------------------------------
+# -- instantiation
 
 
 @pytest.mark.parametrize(
     ("name", "guid", "uri", "word"),
     [
-        ("a", "{8c4e810f-3df3-4a00-8276-176fa3c9f000}", None, "{8c4e810f-3df3-4a00-8276-176fa3c9f000}"),
+        (
+            "a",
+            "{8c4e810f-3df3-4a00-8276-176fa3c9f000}",
+            None,
+            "{8c4e810f-3df3-4a00-8276-176fa3c9f000}",
+        ),
         ("a", "NULL", None, "fmuGUID = NULL"),
         ("NULL", None, None, "instanceName"),
         ("EMPTY", None, None, "instanceName"),
@@ -139,7 +163,9 @@ def test_instantiation_that_fails_says_why(host, bead, name, guid, uri, word):
     assert word in result.messages[0][3] or "fmuResourceLocation" in result.messages[0][3]
 
 
-@pytest.mark.parametrize("folder", ["plain", "a b", "100%", "a%20b", "häß ☃", "#1?x=y", "a+b&c;d", "file:"])
+@pytest.mark.parametrize(
+    "folder", ["plain", "a b", "100%", "a%20b", "häß ☃", "#1?x=y", "a+b&c;d", "file:"]
+)
 @pytest.mark.parametrize(
     "form", ["file:{0}", "file://{0}", "file://localhost{0}", "FILE://{0}/", "file://{1}", "{2}"]
 )

@@ -96,7 +96,9 @@ def test_states_of_another_instance_of_the_same_fmu(host, bead):
     )
     status = [a[0] for a in result.answers]
     assert [k for k, s in enumerate(status) if s != "OK"] == [16, 17]
-    assert all("not a state of this FMU, or already freed" in result.logs[k][0][3] for k in (16, 17))
+    assert all(
+        "not a state of this FMU, or already freed" in result.logs[k][0][3] for k in (16, 17)
+    )
     assert result.answers[11] == result.answers[13] == result.answers[20]
 
 
@@ -118,7 +120,7 @@ def test_a_state_used_after_it_was_freed(host, bead):
     assert [a[0] for a in result.answers] == ["OK"] * 7 + ["Error"] * 5 + ["OK"]
 
 
-def test_states_of_another_fmu(host, bead, pendulum, two_states=("save", "write")):
+def test_states_of_another_fmu(host, bead, pendulum):
     result = host(
         [
             *bead.start(0, 0),
@@ -193,6 +195,6 @@ def test_every_altered_or_missing_byte_is_noticed(host, bead):
 def test_thousands_of_states(host, bead):
     """As many as a master keeps; freed with the instance."""
     many = [*bead.start(), *ready(0), *(["save 0 0", "write 0 0 0", "read 0 0 1"] * 2000), "free 0"]
-    assert {a[0] for a in host([*many, bead.new(), *ready(0), "save 0 2", "step 0 0 0.1"]).answers} == {
-        "OK"
-    }
+    assert {
+        a[0] for a in host([*many, bead.new(), *ready(0), "save 0 2", "step 0 0 0.1"]).answers
+    } == {"OK"}

@@ -27,7 +27,7 @@ SOURCE = Path(__file__).with_name("forward.c")
 # are resolved on loading: what is missing must show there and not in a step. libdl is a separate
 # library on systems older than glibc 2.34, and an empty one since.
 _FLAGS = (
-    *("-std=c11", "-O2", "-s", "-fno-ident", "-Wall", "-Wextra"),
+    *("-std=c11", "-Os", "-s", "-fno-ident", "-Wall", "-Wextra"),
     *("-shared", "-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic"),
     *("-Wl,-z,now", "-Wl,-z,relro", "-Wl,-z,noseparate-code", "-Wl,--build-id=none"),
 )
