@@ -134,6 +134,17 @@ def test_sampled_at_multiples_of_the_period(start, size: float, summed: bool) ->
         time = end
 
 
+def test_sampling_survives_times_that_are_added_up(start) -> None:
+    drive = start("ParabolaDrive", {"feedback.slider_u": -1.0, "sample.period": 0.1})
+    for i in range(30000):
+        drive.step(0.1)
+        if i % 100 == 0:
+            drive.set({"slider.u": float(i)})
+            assert drive["parabola.ax"] == i
+    # added up they miss the multiple by far more than its last digit
+    assert abs(drive.time - 3000.0) > 1e-12 * 3000.0 / 10
+
+
 def test_sampling_counts_from_zero_whatever_the_start(start) -> None:
     drive = start(
         "ParabolaDrive", {"feedback.slider_u": -1.0, "sample.period": 0.1}, start_time=5.05

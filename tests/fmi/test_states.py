@@ -245,11 +245,12 @@ def test_altered_and_truncated_states_are_refused(instantiate) -> None:
         other = bytes([data[place] ^ (1 << draw.randrange(8))])
         forged.append(data[:place] + other + data[place + 1 :])
     for other in forged:
-        assert "state" in refused(instance, other)
         if instance.lost:
-            return
-    instance.restore(data, 0.1)
-    instance.step(0.1)
+            instance = instantiate("ParabolaPendulum").start()
+        assert "state" in refused(instance, other)
+    if not instance.lost:
+        instance.restore(data, 0.1)
+        instance.step(0.1)
 
 
 def test_states_of_another_fmu_are_refused(instantiate) -> None:
