@@ -6,6 +6,7 @@ The calls are made in a process of their own, one for each FMU and family of cas
 from __future__ import annotations
 
 import math
+import random
 import re
 from collections.abc import Iterator
 from typing import Any
@@ -633,6 +634,28 @@ def test_huge_and_tiny_values(extracted, name: str) -> None:
         if value > 0.0 or row.domain == FINITE
         for choices in (_METHODS[name][(5 * i + 2 * j) % len(_METHODS[name])],)
     ]
+    for case, outcomes in zip(cases, outcomes_of(extracted[name], cases), strict=True):
+        assert_honest(extracted[name], case, outcomes)
+
+
+def random_extremes(name: str, draw: random.Random) -> dict[str, Any]:
+    """Half of the parameters and inputs anywhere between 1e-300 and 1e300."""
+    values: dict[str, Any] = dict(draw.choice(_METHODS[name]))
+    for row in INTERFACE[name]:
+        if row.type != "Real" or row.causality == "output" or draw.random() < 0.5:
+            continue
+        span = draw.choice((3.0, 20.0, 140.0, 300.0))
+        size = 10.0 ** draw.uniform(-span, span)
+        if row.causality == "input":
+            size = min(size, 1e150)
+        values[row.name] = size if row.domain != FINITE or draw.random() < 0.6 else -size
+    return values
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_extremes_together(extracted, name: str) -> None:
+    draw = random.Random(11)
+    cases = [extreme_case(random_extremes(name, draw)) for _ in range(200)]
     for case, outcomes in zip(cases, outcomes_of(extracted[name], cases), strict=True):
         assert_honest(extracted[name], case, outcomes)
 

@@ -306,7 +306,10 @@ class Engine:
         try:
             message = self.start_system(reals, choices)
         except (ZeroDivisionError, OverflowError, ValueError) as error:
-            message = f"the parameters leave the range of floating-point numbers ({error}): rescale"
+            message = (
+                f"the parameters leave the range of floating-point numbers ({error}): "
+                "use values that are neither so small nor so large"
+            )
         if message:
             return message
         self.stale = False
