@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import Scene
+from curvebound.errors import CurveboundError
 
 TWO_PI = 2.0 * math.pi
 
@@ -133,6 +134,16 @@ def test_prepared_runs_repeat_and_vary(two_masses):
     assert other["two.x"][0] == 1.0
     assert short.steps == 100
     assert short.time[-1] == 0.5
+
+
+def test_prepared_runs_refuse_what_makes_no_sense(two_masses):
+    with two_masses((1.0, 1.0), 1.0, (1.0, 0.0), (0.0, 0.0), 1.0, 0.1).prepare() as prepared:
+        with pytest.raises(CurveboundError, match=r"one\.kd .*did you mean one\.k"):
+            prepared.run({"one.kd": 1.0})
+        with pytest.raises(CurveboundError, match=r"stop_time is -1.0 s; give one after"):
+            prepared.run(stop_time=-1.0)
+        with pytest.raises(CurveboundError, match=r"step is 0.0 s; .*above zero"):
+            prepared.run(step=0.0)
 
 
 def test_strang_is_of_second_order_in_scene_inputs_too(mass_fmu):

@@ -59,8 +59,6 @@ class Exchange:
             first = users.setdefault(link.source, link.target)
             if link.target < first:
                 users[link.source] = link.target
-        sizes = dict.fromkeys(KINDS, 0)
-        sizes["Boolean"] = 0
 
         def order(port: Port) -> tuple[Any, ...]:
             user = users.get(port)

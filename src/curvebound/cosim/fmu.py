@@ -13,9 +13,12 @@ from typing import Any
 
 from ..errors import CurveboundError
 
-__all__ = ["Fmu", "Value", "Variable", "extracted", "nearest", "read_fmu"]
+__all__ = ["BASE_UNITS", "Fmu", "Value", "Variable", "extracted", "nearest", "read_fmu"]
 
 Value = float | int | bool | str
+
+BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+"""The base units of FMI and SSP, in the order of Variable.dimension."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class Variable:
     variability: str
     initial: str
     unit: str | None
-    dimension: tuple[float, ...] | None  # exponents of kg m s A K mol cd rad, factor, offset
+    dimension: tuple[float, ...] | None  # exponents of BASE_UNITS, factor, offset
     start: str | None
     nominal: float | None
     items: dict[str, int] | None  # of an enumeration: item name to number
@@ -252,8 +255,8 @@ def _variable(v: Any, units: dict[str, Any]) -> Variable:
     base = units.get(unit or "")
     dimension = None
     if base is not None:
-        parts = (base.kg, base.m, base.s, base.A, base.K, base.mol, base.cd, base.rad)
-        dimension = tuple(float(x) for x in (*parts, base.factor, base.offset))
+        names = (*BASE_UNITS, "factor", "offset")
+        dimension = tuple(float(getattr(base, name)) for name in names)
     items = None
     if v.type == "Enumeration" and declared is not None:
         items = {item.name: int(item.value) for item in declared.items}

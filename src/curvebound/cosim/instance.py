@@ -12,11 +12,16 @@ from typing import Any
 from ..errors import CurveboundError
 from .fmu import Fmu, Value, extracted
 
-__all__ = ["CallFailed", "Instance", "Library", "Log"]
+__all__ = ["CallFailed", "Instance", "Library", "Log", "status_name"]
 
 WARNING, DISCARD, ERROR, FATAL = 1, 2, 3, 4
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 _KEPT = 200  # log messages kept per run: a chatty FMU must not fill the memory
+
+
+def status_name(status: int) -> str:
+    """An fmi2Status as FMI calls it, fmi2Error say."""
+    return f"fmi2{_STATUS[status] if 0 <= status < len(_STATUS) else status}"
 
 
 class CallFailed(Exception):
@@ -44,7 +49,7 @@ class Log:
 
         self.entries: list[tuple[str, int, str]] = []
         self.callbacks = fmi2CallbackFunctions()
-        self.callbacks.logger = fmi2CallbackLoggerTYPE(self._write)
+        self.callbacks.logger = fmi2CallbackLoggerTYPE(self.write)
         self.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         with suppress(ImportError, OSError):  # formats printf arguments where there is a binary
@@ -52,7 +57,8 @@ class Log:
 
             addLoggerProxy(byref(self.callbacks))
 
-    def _write(self, _: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
+    def write(self, _: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
+        """Take a message, as the fmi2CallbackLogger that FMUs and fmpy call."""
         entry = (_text(name), int(status), _text(text).strip())
         if status >= WARNING and len(self.entries) < _KEPT and entry not in self.entries:
             self.entries.append(entry)
@@ -148,11 +154,10 @@ class Instance:
     def fail(self, function: str, status: int) -> None:
         """Note that a call returned `status` and raise CallFailed with what the FMU said."""
         self.failed = True
-        if status == FATAL or status > FATAL:
+        if status >= FATAL:
             self.alive = False  # nothing may be called any more, fmi2FreeInstance included
         said = self.log.cause(self.name)
-        label = _STATUS[status] if 0 <= status < len(_STATUS) else str(status)
-        cause = f"fmi2{function} returned fmi2{label}" + (f": {said}" if said else "")
+        cause = f"fmi2{function} returned {status_name(status)}" + (f": {said}" if said else "")
         if status == DISCARD and self._has_terminated():
             cause += " (the FMU asked to end the simulation)"
         raise CallFailed(self.name, "fmi2" + function, status, cause)

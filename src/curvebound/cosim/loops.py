@@ -45,7 +45,6 @@ class LoopSolver:
         self._evaluation = list(evaluation)
         self._run = run
         self._tolerance = tolerance
-        self.evaluations = 0
 
     def __call__(self) -> None:
         x = self._values[self._places]
@@ -55,7 +54,6 @@ class LoopSolver:
         for _ in range(_MOST):
             self._values[self._places] = x
             self._run(self._evaluation)
-            self.evaluations += 1
             g = self._values[self._places]
             residual = g - x
             if not np.all(np.isfinite(residual)):

@@ -13,7 +13,7 @@ from .adaptive import adaptive_steps
 from .algorithms import advance_of
 from .counters import Counters
 from .exchange import Exchange
-from .fmu import Value
+from .fmu import Value, nearest
 from .instance import CallFailed, Instance, Library, Log
 from .loops import LoopFailed
 from .recording import Recording
@@ -22,7 +22,7 @@ from .results import Result, RunFailed
 from .scene import Scene
 from .schedule import Schedule
 
-__all__ = ["Prepared", "communication_points"]
+__all__ = ["Prepared", "communication_points", "communication_times"]
 
 Progress = Callable[[float], None]
 _BEAT = 0.1  # s of wall time between reports of progress
@@ -37,6 +37,13 @@ def communication_points(start: float, stop: float, step: float) -> tuple[int, f
     count = math.floor(exact + 1e-9 * max(1.0, exact))
     rest = stop - (start + count * step)
     return (count, rest) if rest > 1e-9 * step * max(1.0, exact) else (count, 0.0)
+
+
+def communication_times(scene: Scene) -> list[float]:
+    """Every communication point of a scene with a fixed macro step, in s, the initial one too."""
+    count, rest = communication_points(scene.start_time, scene.stop_time, scene.step)
+    times = [scene.start_time + n * scene.step for n in range(count + 1)]
+    return [*times, scene.stop_time] if rest else times
 
 
 class Prepared:
@@ -99,8 +106,15 @@ class Prepared:
         begin = self.scene.start_time
         end = self.scene.stop_time if stop_time is None else stop_time
         size = self.scene.step if step is None else step
-        if not (end > begin and size > 0.0):
-            raise CurveboundError(f"stop_time {end} s and step {size} s; give both above zero.")
+        if not end > begin:
+            raise CurveboundError(
+                f"stop_time is {end} s; give one after start_time, {begin} s, of the scene "
+                f"{self.scene.name}."
+            )
+        if not size > 0.0:
+            raise CurveboundError(
+                f"step is {size} s; give the scene {self.scene.name} a macro step above zero."
+            )
         count, rest = communication_points(begin, end, size)
         rows = (count // self.scene.record_every) + 3
         if self.scene.adaptive is not None:
@@ -187,7 +201,16 @@ class Prepared:
             node = self.system.nodes.get(name)
             known = None if node is None else node.fmu.variables.get(variable)
             if known is None or not known.is_settable_start:
-                raise CurveboundError(f"{path} is no variable that takes a start value.")
+                known_paths = [
+                    f"{name}.{v.name}"
+                    for name, node in self.system.nodes.items()
+                    for v in node.fmu.variables.values()
+                    if v.is_settable_start
+                ]
+                raise CurveboundError(
+                    f"{path} is no variable of the scene {self.scene.name} that takes a start "
+                    f"value; {nearest(path, known_paths)}"
+                )
             try:
                 values[name][variable] = known.value(given)
             except ValueError as error:
@@ -219,11 +242,6 @@ class Prepared:
     # results
 
     def _result(self, recording: Recording, counters: Counters, began: float) -> Result:
-        units = {}
-        for port in self.system.recorded:
-            unit = self.system.variable(port).unit
-            if unit is not None:
-                units[".".join(port)] = unit
         return Result(
             scene=self.scene.name,
             data=recording.table(),
@@ -231,7 +249,7 @@ class Prepared:
             steps=counters.steps,
             trials=counters.trials,
             rejected=counters.rejected,
-            units=units,
+            units=self.system.units(self.system.recorded),
             notes=[*self.system.notes, *self.log.warnings(), *_forced(counters)],
             settings={
                 "algorithm": self.scene.algorithm,

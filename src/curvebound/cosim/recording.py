@@ -47,18 +47,9 @@ class Recording:
             part.keep(row)
         self._count = row + 1
 
-    @property
-    def last(self) -> float:
-        """Time of the last row."""
-        return float(self._times[self._count - 1]) if self._count else float("nan")
-
     def table(self) -> NDArray[Any]:
         """Structured array of what was recorded: time, then the outputs in the order asked for."""
-        kinds = {"Real": np.float64, "Integer": np.int32, "Boolean": np.bool_}
-        dtype: list[tuple[str, Any]] = [("time", np.float64)]
-        for port in self._system.recorded:
-            dtype.append((".".join(port), kinds[self._system.variable(port).kind]))
-        table = np.zeros(self._count, dtype=dtype)
+        table = np.zeros(self._count, dtype=self._system.row_type(self._system.recorded))
         table["time"] = self._times[: self._count]
         for port in self._system.recorded:
             part = self._parts[0 if self._system.variable(port).kind == "Real" else -1]

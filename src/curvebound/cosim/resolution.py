@@ -47,6 +47,8 @@ class _Resolution:
         controlled = self._controlled(recorded)
         self._stop()
         self._unconnected()
+        self._capabilities()
+        self._stop()
         ordering = Ordering(self.scene, self.nodes, self.links, self.signals)
         system = ordering.system(recorded, controlled, self.notes)
         self.problems += ordering.problems
@@ -303,6 +305,9 @@ class _Resolution:
         ]
         if free:
             self.notes.append("Inputs left at their start values: " + ", ".join(free) + ".")
+
+    def _capabilities(self) -> None:
+        """What the FMUs cannot do and the scene asks of them."""
         once = [n for n in self.nodes.values() if n.fmu.only_once_per_process]
         names = [n.fmu.identifier for n in once]
         for node in once:
@@ -320,7 +325,6 @@ class _Resolution:
                         f"component {node.name}: {node.fmu.model_name} takes one step size only; "
                         f"make stop_time, {scene.stop_time} s, a multiple of step, {scene.step} s"
                     )
-        self._stop()
 
 
 def _locate(source: str | Path, folder: Path | None) -> Path:

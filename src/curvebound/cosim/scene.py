@@ -289,7 +289,8 @@ class Scene:
 
         progress: called some times a second with the time reached in s.
         fmpy_single: a scene of one FMU with a fixed step runs through fmpy.simulate_fmu; False
-            runs it on the master too, with the same result.
+            runs it on the master too, with the same states: only what an output with direct
+            feedthrough shows where an input of the scene jumps differs, see single.run_single.
         Raises RunFailed, which holds the result up to the failure.
         """
         from .prepared import Prepared

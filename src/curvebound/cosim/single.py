@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from .fmu import extracted
-from .instance import FATAL, Log
-from .prepared import communication_points
+from .instance import FATAL, WARNING, Log, status_name
+from .prepared import communication_times
 from .results import Result, RunFailed
 from .scene import Scene
-from .system import System
+from .system import System, path_of
 
 __all__ = ["is_single", "run_single"]
 
@@ -63,7 +63,7 @@ def run_single(scene: Scene, progress: Callable[[float], None] | None = None) ->
     variables = [port[1] for port in system.recorded]
     start = {k: v for k, v in node.start.items() if (node.name, k) not in system.signals}
     instance = instantiate_fmu(
-        str(extracted(fmu)), fmu.description, "CoSimulation", debug_logging=True, logger=log._write
+        str(extracted(fmu)), fmu.description, "CoSimulation", debug_logging=True, logger=log.write
     )
     failure = ""
     alive = True
@@ -87,9 +87,7 @@ def run_single(scene: Scene, progress: Callable[[float], None] | None = None) ->
             failure = _cause(log, "fmi2DoStep returned fmi2Discard: the FMU ended the simulation")
     except FMICallException as error:
         alive = error.status < FATAL
-        labels = ("OK", "Warning", "Discard", "Error", "Fatal")
-        label = labels[error.status] if 0 <= error.status < len(labels) else str(error.status)
-        failure = _cause(log, f"{error.function} returned fmi2{label}")
+        failure = _cause(log, f"{error.function} returned {status_name(error.status)}")
         data = np.array(rows[0] if rows else [], dtype=np.dtype(columns or [("time", float)]))
     finally:
         if alive:
@@ -99,7 +97,7 @@ def run_single(scene: Scene, progress: Callable[[float], None] | None = None) ->
 
 
 def _cause(log: Log, otherwise: str) -> str:
-    said = next((text for _, status, text in reversed(log.entries) if status > 1 and text), "")
+    said = next((t for _, status, t in reversed(log.entries) if status > WARNING and t), "")
     return otherwise + (f": {said}" if said else "")
 
 
@@ -107,11 +105,7 @@ def _table(system: System) -> Any:
     """fmpy's input: a structured array over the communication points, or None without inputs."""
     if not system.signals:
         return None
-    scene = system.scene
-    count, rest = communication_points(scene.start_time, scene.stop_time, scene.step)
-    times = [scene.start_time + n * scene.step for n in range(count + 1)]
-    if rest:
-        times.append(scene.stop_time)
+    times = communication_times(system.scene)
     (node,) = system.nodes.values()
     table = {"time": times}
     for name in node.fmu.inputs:  # fmpy prints a warning for each input that is not in the table
@@ -133,24 +127,16 @@ def _result(system: System, data: Any, failure: str, began: float, log: Log) -> 
     (node,) = system.nodes.values()
     names = set(data.dtype.names)
     ports = [port for port in system.recorded if port[1] in names]
-    kinds: dict[str, Any] = {"Real": np.float64, "Integer": np.int32, "Boolean": np.bool_}
-    dtype: list[tuple[str, Any]] = [("time", np.float64)] + [
-        (".".join(p), kinds[system.variable(p).kind]) for p in ports
-    ]
     kept = data
     if scene.record_every > 1 and len(data):
         index = np.arange(0, len(data), scene.record_every)
         if index[-1] != len(data) - 1:
             index = np.append(index, len(data) - 1)
         kept = data[index]
-    table = np.zeros(len(kept), dtype=dtype)
+    table = np.zeros(len(kept), dtype=system.row_type(ports))
     table["time"] = kept["time"]
-    units = {}
     for port in ports:
-        table[".".join(port)] = kept[port[1]]
-        unit = system.variable(port).unit
-        if unit is not None:
-            units[".".join(port)] = unit
+        table[path_of(port)] = kept[port[1]]
     steps = max(0, len(data) - 1)
     result = Result(
         scene=scene.name,
@@ -158,8 +144,8 @@ def _result(system: System, data: Any, failure: str, began: float, log: Log) -> 
         wall=clock.perf_counter() - began,
         steps=steps,
         trials=steps,
-        units=units,
-        notes=[*system.notes, *(f"{node.name}: {t}" for _, s, t in log.entries if s == 1)],
+        units=system.units(ports),
+        notes=[*system.notes, *(f"{node.name}: {t}" for _, s, t in log.entries if s == WARNING)],
         settings={"algorithm": "fmpy.simulate_fmu", "step": scene.step, "adaptive": False},
     )
     result.stepping = result.wall

@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.etree import ElementTree
 
-from .fmu import Value, Variable
+from .fmu import BASE_UNITS, Value, Variable
 from .results import as_csv
 from .scene import Scene
 from .system import Port, System
@@ -135,13 +135,9 @@ def _parameter_set(name: str, values: Iterable[tuple[str, Variable, Value]]) -> 
 
 def _inputs(system: System) -> bytes:
     """Every scene input at every communication point."""
-    from .prepared import communication_points
+    from .prepared import communication_times
 
-    scene = system.scene
-    count, rest = communication_points(scene.start_time, scene.stop_time, scene.step)
-    times = [scene.start_time + n * scene.step for n in range(count + 1)]
-    if rest:
-        times.append(scene.stop_time)
+    times = communication_times(system.scene)
     columns = {"time": times}
     for port, function in system.signals.items():
         columns[".".join(port)] = [float(function(t)) for t in times]
@@ -251,10 +247,9 @@ class _Structure:
         if not used:
             return
         units = _add(root, "ssd:Units")
-        bases = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
         for unit, dimension in sorted(used.items()):
             base = _add(_add(units, "ssc:Unit", name=unit), "ssc:BaseUnit")
-            for name, exponent in zip(bases, dimension, strict=False):
+            for name, exponent in zip(BASE_UNITS, dimension, strict=False):
                 if exponent:
                     base.set(name, str(int(exponent)))
             for name, value, default in (

@@ -8,7 +8,7 @@ from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from ..errors import CurveboundError
-from .fmu import Value
+from .fmu import BASE_UNITS, Value
 from .ssp import NAMESPACES
 
 __all__ = ["Parameter", "bound_values", "units_of"]
@@ -27,13 +27,12 @@ class Parameter:
 
 
 def units_of(element: Element | None) -> dict[str, tuple[float, ...]]:
-    """Units by name, as exponents of kg m s A K mol cd rad, then factor and offset."""
+    """Units by name, as exponents of BASE_UNITS, then factor and offset."""
     found: dict[str, tuple[float, ...]] = {}
     for unit in () if element is None else element.findall("ssc:Unit", NAMESPACES):
         base = unit.find("ssc:BaseUnit", NAMESPACES)
         if base is not None:
-            names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-            exponents = [float(base.get(name, "0")) for name in names]
+            exponents = [float(base.get(name, "0")) for name in BASE_UNITS]
             ends = [float(base.get("factor", "1")), float(base.get("offset", "0"))]
             found[unit.get("name", "")] = (*exponents, *ends)
     return found

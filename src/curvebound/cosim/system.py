@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 
 from .fmu import Fmu, Value, Variable
 from .graph import Loop
@@ -64,6 +68,16 @@ class System:
     def variable(self, port: Port) -> Variable:
         """The description of a variable."""
         return self.nodes[port[0]].fmu.variables[port[1]]
+
+    def row_type(self, ports: Iterable[Port]) -> list[tuple[str, Any]]:
+        """Fields of a result's structured array: time (s), then these outputs by path."""
+        kinds = {"Real": np.float64, "Integer": np.int32, "Boolean": np.bool_}
+        return [("time", np.float64), *((path_of(p), kinds[self.variable(p).kind]) for p in ports)]
+
+    def units(self, ports: Iterable[Port]) -> dict[str, str]:
+        """Unit by path, of those that have one."""
+        found = {path_of(port): self.variable(port).unit for port in ports}
+        return {path: unit for path, unit in found.items() if unit is not None}
 
 
 def path_of(port: Port) -> str:
