@@ -20,15 +20,15 @@ POWER: Final = 0.875
 LEAST_SIZE: Final = 1e-60
 #: alpha and beta over the order
 PRESENT: Final = 0.0714
-LAST: Final = 0.0214
-SAFETY: Final = 0.85
+LAST: Final = 0.0285
+SAFETY: Final = 0.82
 #: bounds of the ratio of one step size to the next
-MOST_GROWTH: Final = 2.0
+MOST_GROWTH: Final = 1.5
 MOST_SHRINKING: Final = 0.2
 #: logarithm of the smallest error, in units of the tolerance, told apart from none
 LEAST_ERROR: Final = -18.0
 #: error of a step in units of the tolerance, so that over many steps the sum keeps to the tolerance
-SHARE: Final = 0.2
+SHARE: Final = 0.1
 #: a relative tolerance below this is rounding
 LEAST_TOLERANCE: Final = 1e-15
 #: smallest step relative to the communication step

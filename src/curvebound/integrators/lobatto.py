@@ -5,11 +5,11 @@ sec. II.7; Hairer, Wanner 1996, sec. IV.5): the accelerations K_i are those at t
 
     V_i = v + h sum_j A_ij K_j,    Q_i = q + c_i h v + h^2 sum_j R_ij K_j,    R = A A
 
-The first guess of the K_i extrapolates the polynomial through those of the last step; each sweep
-evaluates them in order of time, every one with the newest of the others (Gauss-Seidel), and gains
-two to four digits. The size of the polynomial's highest Legendre coefficients measures the error.
-The sums of a stage are begun ahead of the evaluation before it, and added in pairs: an evaluation
-then waits for two operations after the one before it.
+The first guess of the K_i extrapolates the polynomial through those of the last step. Each sweep
+evaluates them anew, the early half with the old ones, the late half with the new early ones, and
+gains two to three digits; the evaluations of a half do not wait for each other, which lets the
+processor overlap them. The size of the polynomial's highest Legendre coefficients measures the
+error.
 
 Constants: C nodes, A and R as above (rows 1 to 7; row 7 of A are the weights); E and O give the
 even and odd coefficients of the polynomial in powers of 2 c - 1 from sums and differences of
@@ -186,15 +186,14 @@ F2: Final = 0.42451334656272205
 F3: Final = -0.1651171677654127
 
 #: size, in units of the error, of the Legendre coefficients of degree 7 and 6, squared
-HIGHEST: Final = 0.09
-NEXT: Final = 9e-4
-#: longest step, in units of the last, that is extrapolated to: rounding grows as the seventh power
-FARTHEST: Final = 16.0
+HIGHEST: Final = 0.12
+NEXT: Final = 0.0012
 #: most sweeps, and the slowest convergence, at which a step is not better halved
 MOST_SWEEPS: Final = 12
 SLOWEST: Final = 0.5
-#: the convergence that is counted on at most
-FASTEST: Final = 0.01
+#: the convergence that is counted on at most, and that after one sweep, when it is the last step's
+FASTEST: Final = 0.003
+PRESUMED: Final = 0.05
 #: changes below this, relative, are rounding
 ROUNDING: Final = 5e-16
 #: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
@@ -268,7 +267,7 @@ class Collocation:
         # a coordinate that rests is left out until a sweep finds an acceleration of it
         two = q1 != 0.0 or v1 != 0.0 or b0 != 0.0
         b1 = b2 = b3 = b4 = b5 = b6 = b7 = 0.0
-        if 0.0 < h <= FARTHEST * self.h:
+        if self.h > 0.0:
             r = 2.0 * h / self.h
             a1, a2, a3, a4, a5, a6, a7 = extrapolated(
                 self.a0, self.a1, self.a2, self.a3, self.a4, self.a5, self.a6, self.a7, a0, r
@@ -293,6 +292,7 @@ class Collocation:
         s1 = model.q1_scale
         rate0 = (max(math.fabs(v0), math.fabs(w0)) + h * math.fabs(a0)) / s0
         rate1 = (max(math.fabs(v1), math.fabs(w1)) + h * math.fabs(b0)) / s1
+        wend = w1
         rate = max(max(rate0, rate1), 1e-3 / h)
         s0 = 1.0 / (rate * s0)
         s1 = 1.0 / (rate * s1)
@@ -301,132 +301,89 @@ class Collocation:
         size = 0.0
         work = 0.0
         closing = False
-        x1 = p1 = q1
-        u1 = v1
+        z1 = z2 = z3 = z4 = z5 = z6 = z7 = q1
+        w1 = w2 = w3 = w4 = w5 = w6 = v1
+        u7 = w0
+        w7 = wend
         for sweep in range(MOST_SWEEPS):
-            y0 = w0
-            y1 = w1
-            x0 = q0 + (C1 * h * v0 + hh * (((R11 * a1 + R12 * a2) + (R13 * a3 + R14 * a4))
+            y0 = u7
+            y1 = w7
+            x1 = q0 + (C1 * h * v0 + hh * (((R11 * a1 + R12 * a2) + (R13 * a3 + R14 * a4))
                 + ((R15 * a5 + R16 * a6) + (R17 * a7 + R10 * a0))))
-            w0 = v0 + h * (((A11 * a1 + A12 * a2) + (A13 * a3 + A14 * a4)) + ((A15 * a5 + A16 * a6)
+            u1 = v0 + h * (((A11 * a1 + A12 * a2) + (A13 * a3 + A14 * a4)) + ((A15 * a5 + A16 * a6)
                 + (A17 * a7 + A10 * a0)))
+            x2 = q0 + (C2 * h * v0 + hh * (((R22 * a2 + R23 * a3) + (R24 * a4 + R25 * a5))
+                + ((R26 * a6 + R27 * a7) + (R20 * a0 + R21 * a1))))
+            u2 = v0 + h * (((A22 * a2 + A23 * a3) + (A24 * a4 + A25 * a5)) + ((A26 * a6 + A27 * a7)
+                + (A20 * a0 + A21 * a1)))
+            x3 = q0 + (C3 * h * v0 + hh * (((R33 * a3 + R34 * a4) + (R35 * a5 + R36 * a6))
+                + ((R37 * a7 + R30 * a0) + (R31 * a1 + R32 * a2))))
+            u3 = v0 + h * (((A33 * a3 + A34 * a4) + (A35 * a5 + A36 * a6)) + ((A37 * a7 + A30 * a0)
+                + (A31 * a1 + A32 * a2)))
+            x4 = q0 + (C4 * h * v0 + hh * (((R44 * a4 + R45 * a5) + (R46 * a6 + R47 * a7))
+                + ((R40 * a0 + R41 * a1) + (R42 * a2 + R43 * a3))))
+            u4 = v0 + h * (((A44 * a4 + A45 * a5) + (A46 * a6 + A47 * a7)) + ((A40 * a0 + A41 * a1)
+                + (A42 * a2 + A43 * a3)))
             if two:
-                x1 = q1 + (C1 * h * v1 + hh * (((R11 * b1 + R12 * b2) + (R13 * b3 + R14 * b4))
+                z1 = q1 + (C1 * h * v1 + hh * (((R11 * b1 + R12 * b2) + (R13 * b3 + R14 * b4))
                     + ((R15 * b5 + R16 * b6) + (R17 * b7 + R10 * b0))))
                 w1 = v1 + h * (((A11 * b1 + A12 * b2) + (A13 * b3 + A14 * b4)) + ((A15 * b5
                     + A16 * b6) + (A17 * b7 + A10 * b0)))
-            p0 = q0 + (C2 * h * v0 + hh * (((R22 * a2 + R23 * a3) + (R24 * a4 + R25 * a5))
-                + ((R26 * a6 + R27 * a7) + R20 * a0)))
-            u0 = v0 + h * (((A22 * a2 + A23 * a3) + (A24 * a4 + A25 * a5)) + ((A26 * a6 + A27 * a7)
-                + A20 * a0))
-            if two:
-                p1 = q1 + (C2 * h * v1 + hh * (((R22 * b2 + R23 * b3) + (R24 * b4 + R25 * b5))
-                    + ((R26 * b6 + R27 * b7) + R20 * b0)))
-                u1 = v1 + h * (((A22 * b2 + A23 * b3) + (A24 * b4 + A25 * b5)) + ((A26 * b6
-                    + A27 * b7) + A20 * b0))
+                z2 = q1 + (C2 * h * v1 + hh * (((R22 * b2 + R23 * b3) + (R24 * b4 + R25 * b5))
+                    + ((R26 * b6 + R27 * b7) + (R20 * b0 + R21 * b1))))
+                w2 = v1 + h * (((A22 * b2 + A23 * b3) + (A24 * b4 + A25 * b5)) + ((A26 * b6
+                    + A27 * b7) + (A20 * b0 + A21 * b1)))
+                z3 = q1 + (C3 * h * v1 + hh * (((R33 * b3 + R34 * b4) + (R35 * b5 + R36 * b6))
+                    + ((R37 * b7 + R30 * b0) + (R31 * b1 + R32 * b2))))
+                w3 = v1 + h * (((A33 * b3 + A34 * b4) + (A35 * b5 + A36 * b6)) + ((A37 * b7
+                    + A30 * b0) + (A31 * b1 + A32 * b2)))
+                z4 = q1 + (C4 * h * v1 + hh * (((R44 * b4 + R45 * b5) + (R46 * b6 + R47 * b7))
+                    + ((R40 * b0 + R41 * b1) + (R42 * b2 + R43 * b3))))
+                w4 = v1 + h * (((A44 * b4 + A45 * b5) + (A46 * b6 + A47 * b7)) + ((A40 * b0
+                    + A41 * b1) + (A42 * b2 + A43 * b3)))
             if closing:
-                work += A71 * model.power(t + C1 * h, x0, x1, w0, w1, a1, b1)
+                work += A71 * model.power(t + C1 * h, x1, z1, u1, w1, a1, b1)
+                work += A72 * model.power(t + C2 * h, x2, z2, u2, w2, a2, b2)
+                work += A73 * model.power(t + C3 * h, x3, z3, u3, w3, a3, b3)
+                work += A74 * model.power(t + C4 * h, x4, z4, u4, w4, a4, b4)
             else:
-                a1, b1 = model.acceleration(t + C1 * h, x0, x1, w0, w1)
-            x0 = p0 + (hh * R21) * a1
-            w0 = u0 + (h * A21) * a1
+                a1, b1 = model.acceleration(t + C1 * h, x1, z1, u1, w1)
+                a2, b2 = model.acceleration(t + C2 * h, x2, z2, u2, w2)
+                a3, b3 = model.acceleration(t + C3 * h, x3, z3, u3, w3)
+                a4, b4 = model.acceleration(t + C4 * h, x4, z4, u4, w4)
+            x5 = q0 + (C5 * h * v0 + hh * (((R55 * a5 + R56 * a6) + (R57 * a7 + R50 * a0))
+                + ((R51 * a1 + R52 * a2) + (R53 * a3 + R54 * a4))))
+            u5 = v0 + h * (((A55 * a5 + A56 * a6) + (A57 * a7 + A50 * a0)) + ((A51 * a1 + A52 * a2)
+                + (A53 * a3 + A54 * a4)))
+            x6 = q0 + (C6 * h * v0 + hh * (((R66 * a6 + R67 * a7) + (R60 * a0 + R61 * a1))
+                + ((R62 * a2 + R63 * a3) + (R64 * a4 + R65 * a5))))
+            u6 = v0 + h * (((A66 * a6 + A67 * a7) + (A60 * a0 + A61 * a1)) + ((A62 * a2 + A63 * a3)
+                + (A64 * a4 + A65 * a5)))
+            x7 = q0 + (h * v0 + hh * (((R70 * a0 + R71 * a1) + (R72 * a2 + R73 * a3)) + ((R74 * a4
+                + R75 * a5) + R76 * a6)))
+            u7 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
+                + (A75 * a5 + A76 * a6)))
             if two:
-                x1 = p1 + (hh * R21) * b1
-                w1 = u1 + (h * A21) * b1
-            p0 = q0 + (C3 * h * v0 + hh * (((R33 * a3 + R34 * a4) + (R35 * a5 + R36 * a6))
-                + ((R37 * a7 + R30 * a0) + R31 * a1)))
-            u0 = v0 + h * (((A33 * a3 + A34 * a4) + (A35 * a5 + A36 * a6)) + ((A37 * a7 + A30 * a0)
-                + A31 * a1))
-            if two:
-                p1 = q1 + (C3 * h * v1 + hh * (((R33 * b3 + R34 * b4) + (R35 * b5 + R36 * b6))
-                    + ((R37 * b7 + R30 * b0) + R31 * b1)))
-                u1 = v1 + h * (((A33 * b3 + A34 * b4) + (A35 * b5 + A36 * b6)) + ((A37 * b7
-                    + A30 * b0) + A31 * b1))
+                z5 = q1 + (C5 * h * v1 + hh * (((R55 * b5 + R56 * b6) + (R57 * b7 + R50 * b0))
+                    + ((R51 * b1 + R52 * b2) + (R53 * b3 + R54 * b4))))
+                w5 = v1 + h * (((A55 * b5 + A56 * b6) + (A57 * b7 + A50 * b0)) + ((A51 * b1
+                    + A52 * b2) + (A53 * b3 + A54 * b4)))
+                z6 = q1 + (C6 * h * v1 + hh * (((R66 * b6 + R67 * b7) + (R60 * b0 + R61 * b1))
+                    + ((R62 * b2 + R63 * b3) + (R64 * b4 + R65 * b5))))
+                w6 = v1 + h * (((A66 * b6 + A67 * b7) + (A60 * b0 + A61 * b1)) + ((A62 * b2
+                    + A63 * b3) + (A64 * b4 + A65 * b5)))
+                z7 = q1 + (h * v1 + hh * (((R70 * b0 + R71 * b1) + (R72 * b2 + R73 * b3))
+                    + ((R74 * b4 + R75 * b5) + R76 * b6)))
+                w7 = v1 + h * (((A77 * b7 + A70 * b0) + (A71 * b1 + A72 * b2)) + ((A73 * b3
+                    + A74 * b4) + (A75 * b5 + A76 * b6)))
             if closing:
-                work += A72 * model.power(t + C2 * h, x0, x1, w0, w1, a2, b2)
+                work += A75 * model.power(t + C5 * h, x5, z5, u5, w5, a5, b5)
+                work += A76 * model.power(t + C6 * h, x6, z6, u6, w6, a6, b6)
+                work += A77 * model.power(t + h, x7, z7, u7, w7, a7, b7)
             else:
-                a2, b2 = model.acceleration(t + C2 * h, x0, x1, w0, w1)
-            x0 = p0 + (hh * R32) * a2
-            w0 = u0 + (h * A32) * a2
-            if two:
-                x1 = p1 + (hh * R32) * b2
-                w1 = u1 + (h * A32) * b2
-            p0 = q0 + (C4 * h * v0 + hh * (((R44 * a4 + R45 * a5) + (R46 * a6 + R47 * a7))
-                + ((R40 * a0 + R41 * a1) + R42 * a2)))
-            u0 = v0 + h * (((A44 * a4 + A45 * a5) + (A46 * a6 + A47 * a7)) + ((A40 * a0 + A41 * a1)
-                + A42 * a2))
-            if two:
-                p1 = q1 + (C4 * h * v1 + hh * (((R44 * b4 + R45 * b5) + (R46 * b6 + R47 * b7))
-                    + ((R40 * b0 + R41 * b1) + R42 * b2)))
-                u1 = v1 + h * (((A44 * b4 + A45 * b5) + (A46 * b6 + A47 * b7)) + ((A40 * b0
-                    + A41 * b1) + A42 * b2))
-            if closing:
-                work += A73 * model.power(t + C3 * h, x0, x1, w0, w1, a3, b3)
-            else:
-                a3, b3 = model.acceleration(t + C3 * h, x0, x1, w0, w1)
-            x0 = p0 + (hh * R43) * a3
-            w0 = u0 + (h * A43) * a3
-            if two:
-                x1 = p1 + (hh * R43) * b3
-                w1 = u1 + (h * A43) * b3
-            p0 = q0 + (C5 * h * v0 + hh * (((R55 * a5 + R56 * a6) + (R57 * a7 + R50 * a0))
-                + ((R51 * a1 + R52 * a2) + R53 * a3)))
-            u0 = v0 + h * (((A55 * a5 + A56 * a6) + (A57 * a7 + A50 * a0)) + ((A51 * a1 + A52 * a2)
-                + A53 * a3))
-            if two:
-                p1 = q1 + (C5 * h * v1 + hh * (((R55 * b5 + R56 * b6) + (R57 * b7 + R50 * b0))
-                    + ((R51 * b1 + R52 * b2) + R53 * b3)))
-                u1 = v1 + h * (((A55 * b5 + A56 * b6) + (A57 * b7 + A50 * b0)) + ((A51 * b1
-                    + A52 * b2) + A53 * b3))
-            if closing:
-                work += A74 * model.power(t + C4 * h, x0, x1, w0, w1, a4, b4)
-            else:
-                a4, b4 = model.acceleration(t + C4 * h, x0, x1, w0, w1)
-            x0 = p0 + (hh * R54) * a4
-            w0 = u0 + (h * A54) * a4
-            if two:
-                x1 = p1 + (hh * R54) * b4
-                w1 = u1 + (h * A54) * b4
-            p0 = q0 + (C6 * h * v0 + hh * (((R66 * a6 + R67 * a7) + (R60 * a0 + R61 * a1))
-                + ((R62 * a2 + R63 * a3) + R64 * a4)))
-            u0 = v0 + h * (((A66 * a6 + A67 * a7) + (A60 * a0 + A61 * a1)) + ((A62 * a2 + A63 * a3)
-                + A64 * a4))
-            if two:
-                p1 = q1 + (C6 * h * v1 + hh * (((R66 * b6 + R67 * b7) + (R60 * b0 + R61 * b1))
-                    + ((R62 * b2 + R63 * b3) + R64 * b4)))
-                u1 = v1 + h * (((A66 * b6 + A67 * b7) + (A60 * b0 + A61 * b1)) + ((A62 * b2
-                    + A63 * b3) + A64 * b4))
-            if closing:
-                work += A75 * model.power(t + C5 * h, x0, x1, w0, w1, a5, b5)
-            else:
-                a5, b5 = model.acceleration(t + C5 * h, x0, x1, w0, w1)
-            x0 = p0 + (hh * R65) * a5
-            w0 = u0 + (h * A65) * a5
-            if two:
-                x1 = p1 + (hh * R65) * b5
-                w1 = u1 + (h * A65) * b5
-            p0 = q0 + (h * v0 + hh * (((R70 * a0 + R71 * a1) + R72 * a2) + ((R73 * a3 + R74 * a4)
-                + R75 * a5)))
-            u0 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
-                + A75 * a5))
-            if two:
-                p1 = q1 + (h * v1 + hh * (((R70 * b0 + R71 * b1) + R72 * b2) + ((R73 * b3
-                    + R74 * b4) + R75 * b5)))
-                u1 = v1 + h * (((A77 * b7 + A70 * b0) + (A71 * b1 + A72 * b2)) + ((A73 * b3
-                    + A74 * b4) + A75 * b5))
-            if closing:
-                work += A76 * model.power(t + C6 * h, x0, x1, w0, w1, a6, b6)
-            else:
-                a6, b6 = model.acceleration(t + C6 * h, x0, x1, w0, w1)
-            x0 = p0 + (hh * R76) * a6
-            w0 = u0 + (h * A76) * a6
-            if two:
-                x1 = p1 + (hh * R76) * b6
-                w1 = u1 + (h * A76) * b6
-            if closing:
-                work += A77 * model.power(t + h, x0, x1, w0, w1, a7, b7)
-            else:
-                a7, b7 = model.acceleration(t + h, x0, x1, w0, w1)
+                a5, b5 = model.acceleration(t + C5 * h, x5, z5, u5, w5)
+                a6, b6 = model.acceleration(t + C6 * h, x6, z6, u6, w6)
+                a7, b7 = model.acceleration(t + h, x7, z7, u7, w7)
             if closing:
                 break
             self.sweeps += 1
@@ -436,10 +393,12 @@ class Collocation:
                 if two:
                     continue
             before = change
-            change = max(math.fabs(w0 - y0) * s0, math.fabs(w1 - y1) * s1)
+            change = max(math.fabs(u7 - y0) * s0, math.fabs(w7 - y1) * s1)
+            left = change * max(contraction, PRESUMED)
             if before > 0.0:
                 contraction = max(change / before, FASTEST)
-            done = change * contraction <= max(tolerance, ROUNDING)
+                left = change * contraction
+            done = left <= max(tolerance, ROUNDING)
             if not done:
                 if sweep > 1 and contraction > SLOWEST:
                     return math.inf
@@ -463,6 +422,8 @@ class Collocation:
             + R75 * a5) + R76 * a6)))
         w0 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
             + (A75 * a5 + A76 * a6)))
+        x1 = q1
+        w1 = v1
         if two:
             x1 = q1 + (h * v1 + hh * (((R70 * b0 + R71 * b1) + (R72 * b2 + R73 * b3)) + ((R74 * b4
                 + R75 * b5) + R76 * b6)))
