@@ -153,7 +153,7 @@ def _targets(system: str, costs: dict[tuple[str, float], float | None]) -> list[
 def accuracy_section(settings: Settings, advance: Callable[[], object], folder: Path) -> Section:
     """Measure all contenders at all their settings; scratch files go to `folder`."""
     section = Section(
-        "accuracy", "Accuracy for cost: CPU ms per simulated second to an error at 10 s"
+        "accuracy", "Accuracy for cost: CPU us per simulated second to an error at 10 s"
     )
     others, section.notes = peers(settings.quick)
     contenders = [*_ours(settings.quick, folder), *others]
@@ -170,7 +170,7 @@ def accuracy_section(settings: Settings, advance: Callable[[], object], folder: 
             row: list[Cell] = []
             for level in LEVELS:
                 cost = costs[contender.name, level] = cost_at(measured, level)
-                row.append(None if cost is None else cost * 1e3)
+                row.append(None if cost is None else cost * 1e6)
             table.rows.append((contender.name, *row, min(error for _, error, _ in measured)))
             every.rows.extend(
                 (system, contender.tool, contender.method, contender.setting, s, error, cost * 1e3)
