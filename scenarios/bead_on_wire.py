@@ -1,8 +1,8 @@
 """A bead slides on a circular wire, from the horizontal, without friction.
 
-The Cartesian form with a Lagrange multiplier, integrated by RK4 and projected back onto the wire:
-the first of the two animations that this project began with. The energy stays, the drift is at
-rounding level; with constraint.stabilization=none it is not (try it with a solver.step of 1/60).
+The Cartesian form with a Lagrange multiplier, integrated by RK4 and projected back onto the wire.
+The energy stays, the drift is at rounding level; with constraint.stabilization=none it is not (try
+it with a solver.step of 1/60).
 """
 
 import math

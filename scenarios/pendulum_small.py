@@ -1,8 +1,8 @@
 """A pendulum hung from a mass on a parabola, in the linear model.
 
-The quadratic part of the Lagrangian about rest, whose two normal modes beat: the second of the two
-animations that this project began with. model.acceleration_error tells how far the linear model is
-from the full one at each moment; solver.method=exact makes the run free of integration error.
+The quadratic part of the Lagrangian about rest, whose two normal modes beat. At each moment
+model.acceleration_error tells how far the linear model is from the full one; solver.method=exact
+makes the run free of integration error.
 """
 
 from curvebound.cosim import Scene

@@ -52,8 +52,15 @@ def test_bad_files_are_named(tmp_path, text, message):
 def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "out.csv"
     path.write_text("old")
-    monkeypatch.setattr("curvebound.cosim.results.as_csv", lambda _: 1 / 0)
+    monkeypatch.setattr("os.replace", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         write_csv(np.zeros(1, dtype=[("time", float)]), path)
     assert path.read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_place_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    path = tmp_path / "file" / "out.csv"
+    with pytest.raises(CurveboundError, match=r"out\.csv cannot be written: .* --out"):
+        write_csv(np.zeros(1, dtype=[("time", float)]), path)

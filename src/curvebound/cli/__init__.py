@@ -1,6 +1,6 @@
 """The command line: one module per command, imported only as far as the parser needs.
 
-Exit status: 0 done, 1 the run failed, 2 wrong usage.
+Exit status: 0 done, 1 the command failed and said why, 2 wrong usage (argparse).
 """
 
 from __future__ import annotations
@@ -40,10 +40,6 @@ examples:
   curvebound build BeadOnWire --out fmus/        one FMU for your own tool
   curvebound run bead_on_wire --set bead.wire.radius=2 --stop 20 --out bead.csv
 """
-
-
-class UsageError(CurveboundError):
-    """The command line itself is wrong: exit status 2."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -88,9 +84,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         status: int = options.run(options)
     except CurveboundError as error:
-        return _report(str(error), options.debug, 2 if isinstance(error, UsageError) else 1)
+        return _report(str(error), options.debug)
     except KeyboardInterrupt:
-        return _report("stopped by the keyboard; what was finished is kept", options.debug, 1)
+        return _report("stopped by the keyboard; what was finished is kept", options.debug)
     except BrokenPipeError:
         # The reader (head, a pager) has gone; there is nobody left to tell.
         sys.stderr.close()
@@ -98,8 +94,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def _report(message: str, debug: bool, status: int) -> int:
-    """Print an error as one paragraph, wrapped to the terminal."""
+def _report(message: str, debug: bool) -> int:
+    """Print an error as one paragraph, wrapped to the terminal; returns the exit status."""
     from rich.console import Console
     from rich.text import Text
 
@@ -109,4 +105,4 @@ def _report(message: str, debug: bool, status: int) -> int:
     console.print(
         Text.assemble(("error: ", "bold red"), message), soft_wrap=not console.is_terminal
     )
-    return status
+    return 1

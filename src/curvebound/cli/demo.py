@@ -7,6 +7,7 @@ example:
 from __future__ import annotations
 
 import argparse
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -87,12 +88,9 @@ def _gallery(results: list[tuple[Scene, Result]], out: Path) -> Path:
 
     cards = []
     for scene, result in results:
-        picture: Path | None = out / f"{scene.name}.png"
-        try:
-            assert picture is not None
-            write_picture(result.data, picture, title=scene.name)
-        except CurveboundError:
-            picture = None
+        picture: Path | None = None
+        with suppress(CurveboundError):
+            picture = write_picture(result.data, out / f"{scene.name}.png", title=scene.name)
         replay = write_replay([(scene.name, result.data)], out / f"{scene.name}.html")
         cards.append(
             Card(

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CurveboundError
+from .files import write_whole
 
 __all__ = ["Result", "RunFailed", "as_csv", "read_csv", "write_csv"]
 
@@ -84,24 +83,14 @@ def write_csv(data: Table, path: Path | str) -> Path:
     """Write a structured array as CSV: a header of its names, then one line per row.
 
     Floats are written by repr, so that reading gives the same bits; integers and Booleans (as 0
-    and 1) without a point. The file appears whole or not at all.
+    and 1) without a point. The file appears whole or not at all; CurveboundError where it cannot.
     """
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     columns: dict[str, list[float]] = {}
     for name in data.dtype.names or ():
         column = data[name]
         columns[name] = (column.astype(int) if column.dtype.kind in "biu" else column).tolist()
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "w", newline="", encoding="utf-8") as file:
-            file.write(as_csv(columns))
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-    return path
+    text = as_csv(columns)
+    return write_whole(Path(path), lambda to: to.write_text(text, encoding="utf-8", newline="\n"))
 
 
 def as_csv(columns: Mapping[str, Sequence[float]]) -> str:

@@ -14,13 +14,12 @@ from __future__ import annotations
 
 import io
 import json
-import os
-import tempfile
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 from xml.etree import ElementTree
 
+from .files import write_whole
 from .fmu import BASE_UNITS, Value, Variable
 from .results import as_csv
 from .scene import Scene
@@ -48,9 +47,8 @@ for _prefix, _uri in NAMESPACES.items():
 def write_ssp(scene: Scene, path: Path | str) -> Path:
     """Write `scene` as an SSP package; the file appears whole or not at all.
 
-    Raises CurveboundError with all that is wrong in the scene.
+    Raises CurveboundError with all that is wrong in the scene, or where the file cannot be written.
     """
-    path = Path(path)
     system = scene.check()
     files: dict[str, bytes] = {}
     sources = _pack_fmus(system, files)
@@ -68,21 +66,16 @@ def write_ssp(scene: Scene, path: Path | str) -> Path:
     files["resources/parameters.ssv"] = _parameter_set(PARAMETER_SET, every)
     if system.signals:
         files["resources/inputs.csv"] = _inputs(system)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file, zipfile.ZipFile(file, "w") as archive:
+
+    def write(to: Path) -> None:
+        with zipfile.ZipFile(to, "w") as archive:
             for name in sorted(files, key=lambda n: (n != "SystemStructure.ssd", n)):
                 info = zipfile.ZipInfo(name, _EPOCH)
                 info.compress_type = zipfile.ZIP_DEFLATED
                 info.external_attr = 0o644 << 16
                 archive.writestr(info, files[name])
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-    return path
+
+    return write_whole(Path(path), write)
 
 
 def _pack_fmus(system: System, files: dict[str, bytes]) -> dict[str, str]:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..cosim.files import write_whole
 from ..errors import CurveboundError
 from .actors import BEAD, Actor, missing
 from .drawing import INK, Cast, Results, Stage, figure, pixels
-from .files import write_whole
 
 __all__ = ["write_gif"]
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from ..cosim.files import write_whole
 from ..errors import CurveboundError
 from .actors import BEAD, Actor, Floats, split_name
 from .drawing import GREY, INK, Cast, Results, Stage, as_floats, figure, palette, save_small
-from .files import write_whole
 from .geometry import distances
 from .quantities import PLOTS, Plot, quantity
 
