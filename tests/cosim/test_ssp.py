@@ -13,7 +13,7 @@ import pytest
 from fmpy.ssp.ssd import read_ssd
 from lxml import etree
 
-from curvebound.cosim import Adaptive, Scene, load_scene
+from curvebound.cosim import Adaptive, Needs, Scene, load_scene
 from curvebound.cosim.peers import available, run_peer
 from curvebound.cosim.ssp import write_ssp
 from curvebound.errors import CurveboundError
@@ -59,8 +59,12 @@ def test_every_setting_comes_back(two_masses, tmp_path):
         adaptive=Adaptive(tolerance=1e-2, scales={"one.v": 2.0}, largest=0.5),
     )  # fmt: skip
     scene.components["one"].feedthrough = {"x": ["other"]}
+    scene.needs = Needs({"one.x": 1e-3}, budget=0.5, frame_rate=25.0)
+    scene.variant("stiff", {"one.k": 9.0})
     back = load_scene(write_ssp(scene, tmp_path / "s.ssp"))
     assert back.adaptive == scene.adaptive
+    assert back.needs == scene.needs
+    assert back.variants == scene.variants
     assert [list(group) for group in back.groups] == [["two"], ["one"]]
     assert (back.algorithm, back.tolerance, back.record_every) == ("strang", 1e-7, 3)
     assert back.components["one"].feedthrough == {"x": ["other"]}

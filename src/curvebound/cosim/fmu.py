@@ -13,7 +13,16 @@ from typing import Any
 
 from ..errors import CurveboundError
 
-__all__ = ["BASE_UNITS", "Fmu", "Value", "Variable", "extracted", "nearest", "read_fmu"]
+__all__ = [
+    "BASE_UNITS",
+    "Fmu",
+    "Value",
+    "Variable",
+    "conversion",
+    "extracted",
+    "nearest",
+    "read_fmu",
+]
 
 Value = float | int | bool | str
 
@@ -126,6 +135,18 @@ class Fmu:
     def outputs(self) -> list[str]:
         """Names of the outputs, in the order of the description."""
         return [v.name for v in self.variables.values() if v.causality == "output"]
+
+
+def conversion(of: tuple[float, ...], to: tuple[float, ...]) -> tuple[float, float] | None:
+    """(factor, offset) that turn a value of one unit into another; None for another quantity.
+
+    Both are units as in Variable.dimension.
+    """
+    count = len(BASE_UNITS)
+    if of[:count] != to[:count]:
+        return None
+    factor, offset = of[count:]
+    return factor / to[count], (offset - to[count + 1]) / to[count]
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -1,8 +1,8 @@
 """Scenes written as SSP 1.0 packages: FMUs, structure, parameter values, units, experiment.
 
 Besides what the standard names, the package carries, in annotations, the step and the algorithm:
-once as the Open Simulation Platform writes it (libcosim reads that), once with all that a scene of
-ours holds. Tools that know neither lose only the defaults of a run.
+once as the Open Simulation Platform writes it (libcosim reads that), once with all settings of a
+scene of ours. Tools that know neither lose only the defaults of a run.
 
 Enumeration values are written as integers, as several tools take no item names. Each component
 has its own parameter file, which the structure binds to it; resources/parameters.ssv holds them
@@ -16,6 +16,7 @@ import io
 import json
 import zipfile
 from collections.abc import Iterable
+from dataclasses import asdict
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -273,8 +274,10 @@ def _settings(scene: Scene) -> dict[str, object]:
         "algorithm": scene.algorithm,
         "step": scene.step,
         "record_every": scene.record_every,
-        "needs": scene.needs.errors,
+        "needs": asdict(scene.needs),
     }
+    if scene.variants:
+        settings["variants"] = scene.variants
     for name in ("order", "groups", "loop_tolerance", "tolerance"):
         value = getattr(scene, name)
         if value is not None:

@@ -22,9 +22,9 @@ from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from ..errors import CurveboundError
-from .fmu import Fmu, Value, read_fmu
+from .fmu import Fmu, Value, conversion, read_fmu
 from .results import read_csv
-from .scene import Adaptive, Scene
+from .scene import Adaptive, Needs, Scene
 from .ssp import ANNOTATION, NAMESPACES
 from .ssp_values import Parameter, bound_values, units_of
 
@@ -105,8 +105,10 @@ class _Reader:
             tolerance=settings.get("tolerance"),
             record_every=settings.get("record_every", 1),
             adaptive=Adaptive(**settings["adaptive"]) if "adaptive" in settings else None,
-            needs=settings.get("needs"),
+            needs=Needs(**settings["needs"]) if "needs" in settings else None,
         )
+        for name, values in settings.get("variants", {}).items():
+            scene.variant(name, values)
         scene.folder = self.folder
         self._parameters()
         feedthrough = settings.get("feedthrough", {})
@@ -219,10 +221,9 @@ class _Reader:
             b = self.fmus[target[0]].variables.get(target[1])
             given: float | None = factor
             if a is not None and b is not None and a.dimension and b.dimension and not suppress:
-                if a.dimension[:8] == b.dimension[:8]:
-                    ratio = a.dimension[8] / b.dimension[8]
-                    shift = (a.dimension[9] - b.dimension[9]) / b.dimension[8]
-                    factor, offset = factor * ratio, offset + factor * shift
+                units = conversion(a.dimension, b.dimension)
+                if units is not None:
+                    factor, offset = factor * units[0], offset + factor * units[1]
                     given = factor
                 elif (factor, offset) == (1.0, 0.0):
                     given = None  # let the scene's check complain
@@ -282,13 +283,13 @@ class _Reader:
         if variable is not None and parameter.unit and variable.dimension:
             of = parameter.units.get(parameter.unit) or self.units.get(parameter.unit)
             if of is not None and parameter.unit != variable.unit:
-                if of[:8] != variable.dimension[:8]:
+                units = conversion(of, variable.dimension)
+                if units is None:
                     raise CurveboundError(
                         f"{self.path}: {component}.{name} is given in {parameter.unit} and has "
                         f"the unit {variable.unit}"
                     )
-                base = float(value) * of[8] + of[9]
-                value = (base - variable.dimension[9]) / variable.dimension[8]
+                value = float(value) * units[0] + units[1]
         self.start[component][name] = value
 
     def _inputs(self, scene: Scene) -> None:

@@ -25,6 +25,7 @@ __all__ = [
     "Role",
     "Stage",
     "as_floats",
+    "colour_of",
     "figure",
     "palette",
     "pixels",
@@ -102,6 +103,12 @@ def palette() -> list[str]:
     return re.findall(r"--result-\d: (#[0-9a-f]{6})", light)
 
 
+def colour_of(number: int) -> str:
+    """The colour of the n-th thing, counted from 0; after the last the first comes again."""
+    colours = palette()
+    return colours[number % len(colours)]
+
+
 def as_floats(column: NDArray[Any]) -> Floats:
     """A column as floats, what is not finite as NaN."""
     values = np.asarray(column, dtype=np.float64)
@@ -159,16 +166,14 @@ class Cast:
                 name = label if len(found) == 1 else component
                 if len(found) > 1 and len(self.results) > 1:
                     name = f"{label}: {component}"
-                colour = palette()[len(self.actors) % len(palette())]
-                self.actors.append(Role(name, actor, colour, time, data))
+                self.actors.append(Role(name, actor, colour_of(len(self.actors)), time, data))
 
     def owners(self) -> list[tuple[str, str | None, NDArray[Any], str]]:
         """(label, prefix of its columns or None for all, data, colour) of what has plots."""
         if self.actors:
             return [(one.label, one.actor.prefix, one.data, one.colour) for one in self.actors]
-        colours = palette()
         return [
-            (label, None, data, colours[number % len(colours)])
+            (label, None, data, colour_of(number))
             for number, (label, data) in enumerate(self.results)
         ]
 

@@ -12,7 +12,7 @@ import numpy as np
 from ..cosim.files import write_whole
 from ..errors import CurveboundError
 from .actors import BEAD, Actor, Floats, split_name
-from .drawing import GREY, INK, Cast, Results, Stage, as_floats, figure, palette, save_small
+from .drawing import GREY, INK, Cast, Results, Stage, as_floats, colour_of, figure, save_small
 from .geometry import distances
 from .quantities import PLOTS, Plot, quantity
 
@@ -153,7 +153,7 @@ def _plots(cast: Cast) -> list[_Chart]:
             for name in data.dtype.names or ():
                 values = as_floats(data[name])
                 if name != "time" and _varies(values):
-                    line = _Line("", time, values, palette()[number % 8], 0)
+                    line = _Line("", time, values, colour_of(number), 0)
                     found.setdefault(name, (name, "", False, []))[3].append(line)
     return list(found.values())
 
@@ -191,7 +191,7 @@ def _lines(cast: Cast, plot: Plot) -> list[_Line]:
             what = quantity(variable).label
             if what not in kinds:
                 kinds.append(what)
-            shade = colour if many else palette()[len(lines) % 8]
+            shade = colour if many else colour_of(len(lines))
             label = f"{owner}: {what}" if many else what
             lines.append(_Line(label, as_floats(data["time"]), values, shade, kinds.index(what)))
     if many and len(kinds) == 1:
