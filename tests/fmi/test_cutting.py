@@ -57,7 +57,8 @@ def test_cuts_agree(start, method: str, label: str) -> None:
         assert instance.errors == []
         if method not in ("adaptive", "exact") and cut in ("steps of 0.01 s", "one step"):
             assert instance["solver.steps"] == round(10.0 / step)
-    assert max(errors.values()) < bound
+    # nothing holds the unstabilised bead on the wire: errors grow ten times as fast
+    assert max(errors.values()) < (10.0 * bound if label == "none" else bound)
     if method != "adaptive":
         # cutting adds no error: it can only make internal steps smaller
         assert max(errors.values()) < 1.1 * errors["one step"] + 2e-12
