@@ -166,8 +166,18 @@ def test_instances_in_threads(host, bead):
 def test_ten_thousand_instances_cost_little_memory(host, bead):
     commands = [f"load 0 {bead.binary}", f"churn 0 10000 {bead.guid} {bead.uri}"]
     status, growth = host(commands).answers[-1]
+    print(f"{growth} bytes stay of each of 10000 instances")
     assert status == "OK"
-    assert float(growth) < 2000.0, "bytes for each instantiate and free"
+    assert float(growth) < 2000.0
+
+
+def test_sys_path_does_not_grow(bead):
+    slave_of(bead).freeInstance()
+    before = sys.path[:]
+    for _ in range(20):
+        slave_of(bead).freeInstance()
+    assert sys.path == before
+    assert len(set(before)) == len(before)
 
 
 def test_the_binary_runs_on_older_systems(bead):
