@@ -65,7 +65,7 @@ def test_exact_at_any_communication_step(extracted, interval) -> None:
     assert counts[0] == round(10.0 / interval)
 
 
-# The evaluations bound the work beside the error: RK4 needs 20 times as many for 1e-10.
+# The evaluations bound the work beside the error: RK4 needs ten times as many.
 @pytest.mark.parametrize(
     ("tolerance", "bound", "evaluations"), [(1e-10, 1e-8, 3500), (1e-13, 1e-11, 6700)]
 )
