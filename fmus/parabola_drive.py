@@ -4,7 +4,7 @@ A waveform plus state feedback, limited and optionally sampled:
 parabola.ax = -K (measurement - reference) + waveform.
 """
 
-from curvebound.fmi.declaration import Enumeration, Fmu, choice, input_, output, parameter
+from curvebound.fmi.declaration import Enumeration, Fmu, Variable, choice, input_, output, parameter
 from curvebound.fmi.engine import Controller
 from curvebound.models.parabola_drive import ParabolaDrive
 
@@ -30,8 +30,8 @@ AXIS = Enumeration(
 )
 
 
-def gain(name: str, unit: str, of: str):
-    """A feedback gain; each gain times its measurement is an acceleration."""
+def gain(name: str, unit: str, of: str) -> Variable:
+    """The feedback gain of the measurement `of`; each gain times its measurement is an acceleration."""
     return parameter(f"feedback.{name}", unit, 0.0, f"feedback gain of {of}", tunable=True)
 
 

@@ -11,6 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..errors import CurveboundError
+
 if TYPE_CHECKING:
     from ..cosim import Result, Scene
 
@@ -31,6 +33,7 @@ def run(options: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
     from rich.table import Table
+    from rich.text import Text
 
     from ..cosim import RunFailed, load_scene, scene_names
     from ..fmi.build import build, names
@@ -38,8 +41,11 @@ def run(options: argparse.Namespace) -> int:
     console = Console(highlight=False)
     out: Path = options.out
     with console.status("building the FMUs (compiling takes half a minute the first time)"):
+        built: dict[str, Path] = {}
         for name in names():
-            console.print(build(name, out, compiled=not options.no_compile).message, soft_wrap=True)
+            fmu = build(name, out, compiled=not options.no_compile)
+            built[name] = fmu.path.resolve()
+            console.print(fmu.message, soft_wrap=True, markup=False)
     table = Table(box=None, pad_edge=False, title="\nscenes", title_justify="left")
     table.add_column("scene")
     for heading in ("simulated", "wall", "steps", "|residual|", "|drift|"):
@@ -54,13 +60,19 @@ def run(options: argparse.Namespace) -> int:
         task = progress.add_task("scenes", total=len(scenes))
         for name in scenes:
             progress.update(task, description=name)
-            scene = load_scene(name)
-            scene.record(*_measures(scene))
             try:
+                scene = load_scene(name)
+                scene.record(*_measures(scene))
+                for component in scene.components.values():
+                    component.source = built.get(str(component.source), component.source)
                 result = scene.run()
             except RunFailed as error:
                 result = error.result
                 failures.append(str(error))
+            except CurveboundError as error:  # it cannot even begin here
+                failures.append(str(error))
+                progress.advance(task)
+                continue
             result.write(out / f"{name}.csv")
             results.append((scene, result))
             table.add_row(
@@ -77,13 +89,12 @@ def run(options: argparse.Namespace) -> int:
     with console.status("drawing the gallery"):
         console.print(f"gallery: {_gallery(results, out)}")
     for failure in failures:
-        console.print(f"[bold red]failed:[/] {failure}")
+        console.print(Text.assemble(("failed: ", "bold red"), failure))
     return 1 if failures else 0
 
 
 def _gallery(results: list[tuple[Scene, Result]], out: Path) -> Path:
     """A page with a card per scene; pictures only where matplotlib is installed."""
-    from ..errors import CurveboundError
     from ..view import Card, write_gallery, write_picture, write_replay
 
     cards = []

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import argparse
 
+from ..errors import CurveboundError
+
 NAME = "list"
 HELP = "show scenes, FMUs and their variables"
 
@@ -21,6 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print one table of scenes and one per FMU."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     from ..cosim import load_scene, scene_names
@@ -30,7 +33,11 @@ def run(options: argparse.Namespace) -> int:
     if not options.name:
         scenes = Table("scene", "what it shows", box=None, pad_edge=False)
         for scene in scene_names():
-            scenes.add_row(scene, load_scene(scene).description)
+            try:
+                shows = load_scene(scene).description
+            except CurveboundError as error:  # the others are worth listing all the same
+                shows = str(error)
+            scenes.add_row(scene, escape(shows))
         console.print(scenes)
     for name in options.name or names():
         fmu = load_declaration(name)

@@ -172,19 +172,17 @@ def summarize(label: str, result: Result) -> None:
     """Print one table of a result: what it cost, and where each recorded output went."""
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     console = Console(highlight=False)
     steps = f"{result.steps} steps"
     if result.trials != result.steps:
         steps += f" ({result.trials} with trials)"
     cost = result.stepping / max(1, result.trials) * 1e6
-    console.print(
-        f"[bold]{label}[/]: {result.time[-1]:.6g} s simulated in {result.wall:.3g} s, "
-        f"{steps}, {cost:.3g} us each",
-        soft_wrap=True,
-    )
+    spent = f"{result.time[-1]:.6g} s simulated in {result.wall:.3g} s, {steps}, {cost:.3g} us each"
+    console.print(Text.assemble((label, "bold"), ": ", spent), soft_wrap=True)
     for note in result.notes:
-        console.print(note, style="dim")
+        console.print(note, style="dim", markup=False)
     table = Table(box=None, pad_edge=False)
     table.add_column("output", overflow="fold")
     table.add_column("unit")
