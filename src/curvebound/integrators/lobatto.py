@@ -1,19 +1,15 @@
 """One step of the eight-stage Lobatto IIIA method, order 14, solved by sweeps.
 
 Collocation at the Lobatto points c0 = 0 < c1 < ... < c7 = 1 (Hairer, Norsett, Wanner 1993,
-sec. II.7; Hairer, Wanner 1996, sec. IV.5): the accelerations K_i are those at the stages
+sec. II.7; Hairer, Wanner 1996, sec. IV.5). With K_j the accelerations at the points, a step of h s
+has the stages
 
     V_i = v + h sum_j A_ij K_j,    Q_i = q + c_i h v + h^2 sum_j R_ij K_j,    R = A A
 
-The first guess of the K_i extrapolates the polynomial through those of the last step. Each sweep
+The first guess of the K_j extrapolates the polynomial through those of the last step. Each sweep
 evaluates them anew, the early half with the old ones, the late half with the new early ones, and
-gains two to three digits; the evaluations of a half do not wait for each other, which lets the
-processor overlap them. The size of the polynomial's highest Legendre coefficients measures the
-error.
-
-Constants: C nodes, A and R as above (rows 1 to 7; row 7 of A are the weights); E and O give the
-even and odd coefficients of the polynomial in powers of 2 c - 1 from sums and differences of
-mirrored values; H and F its Legendre coefficients of degree 7 and 6.
+gains two to three digits. The evaluations of a half do not wait for each other, and the sums are
+added in pairs: the processor overlaps them. For the same sake the sums are written out.
 """
 
 from __future__ import annotations
@@ -22,17 +18,11 @@ import math
 from typing import Final
 
 from ..models.base import Model
+from .polynomial import C1, C2, C3, C4, C5, C6, extrapolated, tail
 
 __all__ = ["Collocation"]
 
-Seven = tuple[float, float, float, float, float, float, float]
-
-C1: Final = 0.06412992574519669
-C2: Final = 0.20414990928342885
-C3: Final = 0.3953503910487606
-C4: Final = 0.6046496089512394
-C5: Final = 0.7958500907165712
-C6: Final = 0.9358700742548033
+# rows 1 to 7 of A and R; row 7 of A are the weights of the quadrature
 A10: Final = 0.02473751443887554
 A11: Final = 0.04489266260275502
 A12: Final = -0.008140767742389754
@@ -144,53 +134,7 @@ R73: Final = 0.12469652444944243
 R74: Final = 0.08153287287990951
 R75: Final = 0.03482008336251321
 R76: Final = 0.00675622322045605
-E00: Final = -0.0390625
-E01: Final = 0.10884002339880919
-E02: Final = -0.20402935346955609
-E03: Final = 0.6342518300707469
-O10: Final = -0.0390625
-O11: Final = 0.12485374636569209
-O12: Final = -0.3448188117424295
-O13: Final = 3.030359293393399
-E20: Final = 1.0546875
-E21: Final = -2.9042970734844875
-E22: Final = 5.13006254948732
-E23: Final = -3.2804529760028327
-O30: Final = 1.0546875
-O31: Final = -3.33160871212585
-O32: Final = 8.670037141212164
-O33: Final = -15.673508046892612
-E40: Final = -3.8671875
-E41: Final = 9.892051881471833
-E42: Final = -11.054944637017064
-E43: Final = 5.030080255545231
-O50: Final = -3.8671875
-O51: Final = 11.347477684014024
-O52: Final = -18.683355158420195
-O53: Final = 24.032962501985807
-E60: Final = 3.3515625
-E61: Final = -7.096594831386154
-E62: Final = 6.1289114409993
-E63: Final = -2.3838791096131455
-O70: Final = 3.3515625
-O71: Final = -8.140722718253867
-O72: Final = 10.358136828950459
-O73: Final = -11.389813748486596
-H0: Final = 0.125
-H1: Final = -0.30361669811669434
-H2: Final = 0.3863174574899938
-H3: Final = -0.42479491835847444
-F0: Final = 0.23214285714285715
-F1: Final = -0.4915390359401665
-F2: Final = 0.42451334656272205
-F3: Final = -0.1651171677654127
 
-#: size, in units of the error, of the Legendre coefficients of degree 7 and 6, squared
-HIGHEST: Final = 0.12
-NEXT: Final = 0.0012
-#: longest step, in units of the last, that is extrapolated to: rounding grows as the seventh power
-#: and passes for the scale of the motion, so that a wrong step is taken for a right one
-FARTHEST: Final = 16.0
 #: most sweeps, and the slowest convergence, at which a step is not better halved
 MOST_SWEEPS: Final = 12
 SLOWEST: Final = 0.5
@@ -204,10 +148,9 @@ LARGEST: Final = 1e300
 
 
 class Collocation:
-    """The step, and what it remembers of the last one."""
+    """The step, and its memory: accelerations a (of q0), b (of q1) at the points of the last one."""
 
     def __init__(self) -> None:
-        # accelerations of q0 and q1 at the nodes
         self.a0: float = 0.0
         self.a1: float = 0.0
         self.a2: float = 0.0
@@ -226,9 +169,9 @@ class Collocation:
         self.b7: float = 0.0
         #: s, size of the last step; 0: there was none
         self.h: float = 0.0
-        #: factor by which the last sweep reduced the change
+        #: factor by which its last sweep reduced the change
         self.contraction: float = SLOWEST
-        #: of the equations of motion, by the last step
+        #: sweeps made, for the caller to count
         self.sweeps: int = 0
 
     def take(self, other: Collocation) -> None:
@@ -240,13 +183,15 @@ class Collocation:
         self.h = other.h
         self.contraction = other.contraction
 
+    # fmt: off
     def get_state(self) -> list[float]:
         """All that the next step depends on."""
         return [
             self.a0, self.a1, self.a2, self.a3, self.a4, self.a5, self.a6, self.a7,
             self.b0, self.b1, self.b2, self.b3, self.b4, self.b5, self.b6, self.b7,
             self.h, self.contraction,
-        ]  # fmt: skip
+        ]
+    # fmt: on
 
     def set_state(self, state: list[float]) -> None:
         """Return to what get_state() gave."""
@@ -260,17 +205,18 @@ class Collocation:
     def step(
         self, model: Model, t: float, h: float, a0: float, b0: float, tolerance: float, bound: float
     ) -> float:
-        """Try a step of h s from time t, where the acceleration is (a0, b0).
+        """Try a step of h s from time t (s), where the acceleration is (a0, b0).
 
-        Returns the square of the size of the polynomial's tail: up to `bound` the model's state and
-        work have been advanced, else they are as before. Infinite: the sweeps diverge. The sweeps
-        converge to `tolerance`.
+        Returns the square of the size of the polynomial's tail, relative to the fastest rate of the
+        motion: up to `bound` the model's state and work have been advanced, else they are as
+        before. Infinite: the sweeps, which converge to `tolerance`, diverge. Lets the model's
+        ArithmeticError and ValueError pass.
         """
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         # a coordinate that rests is left out until a sweep finds an acceleration of it
         two = q1 != 0.0 or v1 != 0.0 or b0 != 0.0
         b1 = b2 = b3 = b4 = b5 = b6 = b7 = 0.0
-        if 0.0 < h <= FARTHEST * self.h:
+        if self.h > 0.0:
             r = 2.0 * h / self.h
             a1, a2, a3, a4, a5, a6, a7 = extrapolated(
                 self.a0, self.a1, self.a2, self.a3, self.a4, self.a5, self.a6, self.a7, a0, r
@@ -281,114 +227,103 @@ class Collocation:
                 )
         else:
             a1 = a2 = a3 = a4 = a5 = a6 = a7 = a0
-            if two:
-                b1 = b2 = b3 = b4 = b5 = b6 = b7 = b0
-        hh = h * h
-        w0 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
-            + (A75 * a5 + A76 * a6)))
-        w1 = v1
+            b1 = b2 = b3 = b4 = b5 = b6 = b7 = b0
+        x1 = x2 = x3 = x4 = x5 = x6 = x7 = q1
+        w1 = w2 = w3 = w4 = w5 = w6 = w7 = v1
+        y7, u7 = end(q0, v0, h, a0, a1, a2, a3, a4, a5, a6, a7)
         if two:
-            w1 = v1 + h * (((A77 * b7 + A70 * b0) + (A71 * b1 + A72 * b2)) + ((A73 * b3 + A74 * b4)
-                + (A75 * b5 + A76 * b6)))
+            x7, w7 = end(q1, v1, h, b0, b1, b2, b3, b4, b5, b6, b7)
         # the fastest relative rate, 1/s; never less than what moves q by its scale within 1000 h
-        s0 = model.q0_scale
-        s1 = model.q1_scale
-        rate0 = (max(math.fabs(v0), math.fabs(w0)) + h * math.fabs(a0)) / s0
-        rate1 = (max(math.fabs(v1), math.fabs(w1)) + h * math.fabs(b0)) / s1
-        wend = w1
+        rate0 = (max(math.fabs(v0), math.fabs(u7)) + h * math.fabs(a0)) / model.q0_scale
+        rate1 = (max(math.fabs(v1), math.fabs(w7)) + h * math.fabs(b0)) / model.q1_scale
         rate = max(max(rate0, rate1), 1e-3 / h)
-        s0 = 1.0 / (rate * s0)
-        s1 = 1.0 / (rate * s1)
+        scale0 = 1.0 / (rate * model.q0_scale)
+        scale1 = 1.0 / (rate * model.q1_scale)
         contraction = self.contraction
         change = 0.0
         size = 0.0
         work = 0.0
         closing = False
-        z1 = z2 = z3 = z4 = z5 = z6 = z7 = q1
-        w1 = w2 = w3 = w4 = w5 = w6 = v1
-        u7 = w0
-        w7 = wend
+        hh = h * h
         for sweep in range(MOST_SWEEPS):
-            y0 = u7
-            y1 = w7
-            x1 = q0 + (C1 * h * v0 + hh * (((R11 * a1 + R12 * a2) + (R13 * a3 + R14 * a4))
+            last0 = u7
+            last1 = w7
+            y1 = q0 + (C1 * h * v0 + hh * (((R11 * a1 + R12 * a2) + (R13 * a3 + R14 * a4))
                 + ((R15 * a5 + R16 * a6) + (R17 * a7 + R10 * a0))))
             u1 = v0 + h * (((A11 * a1 + A12 * a2) + (A13 * a3 + A14 * a4)) + ((A15 * a5 + A16 * a6)
                 + (A17 * a7 + A10 * a0)))
-            x2 = q0 + (C2 * h * v0 + hh * (((R22 * a2 + R23 * a3) + (R24 * a4 + R25 * a5))
+            y2 = q0 + (C2 * h * v0 + hh * (((R22 * a2 + R23 * a3) + (R24 * a4 + R25 * a5))
                 + ((R26 * a6 + R27 * a7) + (R20 * a0 + R21 * a1))))
             u2 = v0 + h * (((A22 * a2 + A23 * a3) + (A24 * a4 + A25 * a5)) + ((A26 * a6 + A27 * a7)
                 + (A20 * a0 + A21 * a1)))
-            x3 = q0 + (C3 * h * v0 + hh * (((R33 * a3 + R34 * a4) + (R35 * a5 + R36 * a6))
+            y3 = q0 + (C3 * h * v0 + hh * (((R33 * a3 + R34 * a4) + (R35 * a5 + R36 * a6))
                 + ((R37 * a7 + R30 * a0) + (R31 * a1 + R32 * a2))))
             u3 = v0 + h * (((A33 * a3 + A34 * a4) + (A35 * a5 + A36 * a6)) + ((A37 * a7 + A30 * a0)
                 + (A31 * a1 + A32 * a2)))
-            x4 = q0 + (C4 * h * v0 + hh * (((R44 * a4 + R45 * a5) + (R46 * a6 + R47 * a7))
+            y4 = q0 + (C4 * h * v0 + hh * (((R44 * a4 + R45 * a5) + (R46 * a6 + R47 * a7))
                 + ((R40 * a0 + R41 * a1) + (R42 * a2 + R43 * a3))))
             u4 = v0 + h * (((A44 * a4 + A45 * a5) + (A46 * a6 + A47 * a7)) + ((A40 * a0 + A41 * a1)
                 + (A42 * a2 + A43 * a3)))
             if two:
-                z1 = q1 + (C1 * h * v1 + hh * (((R11 * b1 + R12 * b2) + (R13 * b3 + R14 * b4))
+                x1 = q1 + (C1 * h * v1 + hh * (((R11 * b1 + R12 * b2) + (R13 * b3 + R14 * b4))
                     + ((R15 * b5 + R16 * b6) + (R17 * b7 + R10 * b0))))
                 w1 = v1 + h * (((A11 * b1 + A12 * b2) + (A13 * b3 + A14 * b4)) + ((A15 * b5
                     + A16 * b6) + (A17 * b7 + A10 * b0)))
-                z2 = q1 + (C2 * h * v1 + hh * (((R22 * b2 + R23 * b3) + (R24 * b4 + R25 * b5))
+                x2 = q1 + (C2 * h * v1 + hh * (((R22 * b2 + R23 * b3) + (R24 * b4 + R25 * b5))
                     + ((R26 * b6 + R27 * b7) + (R20 * b0 + R21 * b1))))
                 w2 = v1 + h * (((A22 * b2 + A23 * b3) + (A24 * b4 + A25 * b5)) + ((A26 * b6
                     + A27 * b7) + (A20 * b0 + A21 * b1)))
-                z3 = q1 + (C3 * h * v1 + hh * (((R33 * b3 + R34 * b4) + (R35 * b5 + R36 * b6))
+                x3 = q1 + (C3 * h * v1 + hh * (((R33 * b3 + R34 * b4) + (R35 * b5 + R36 * b6))
                     + ((R37 * b7 + R30 * b0) + (R31 * b1 + R32 * b2))))
                 w3 = v1 + h * (((A33 * b3 + A34 * b4) + (A35 * b5 + A36 * b6)) + ((A37 * b7
                     + A30 * b0) + (A31 * b1 + A32 * b2)))
-                z4 = q1 + (C4 * h * v1 + hh * (((R44 * b4 + R45 * b5) + (R46 * b6 + R47 * b7))
+                x4 = q1 + (C4 * h * v1 + hh * (((R44 * b4 + R45 * b5) + (R46 * b6 + R47 * b7))
                     + ((R40 * b0 + R41 * b1) + (R42 * b2 + R43 * b3))))
                 w4 = v1 + h * (((A44 * b4 + A45 * b5) + (A46 * b6 + A47 * b7)) + ((A40 * b0
                     + A41 * b1) + (A42 * b2 + A43 * b3)))
             if closing:
-                work += A71 * model.power(t + C1 * h, x1, z1, u1, w1, a1, b1)
-                work += A72 * model.power(t + C2 * h, x2, z2, u2, w2, a2, b2)
-                work += A73 * model.power(t + C3 * h, x3, z3, u3, w3, a3, b3)
-                work += A74 * model.power(t + C4 * h, x4, z4, u4, w4, a4, b4)
+                work += A71 * model.power(t + C1 * h, y1, x1, u1, w1, a1, b1)
+                work += A72 * model.power(t + C2 * h, y2, x2, u2, w2, a2, b2)
+                work += A73 * model.power(t + C3 * h, y3, x3, u3, w3, a3, b3)
+                work += A74 * model.power(t + C4 * h, y4, x4, u4, w4, a4, b4)
             else:
-                a1, b1 = model.acceleration(t + C1 * h, x1, z1, u1, w1)
-                a2, b2 = model.acceleration(t + C2 * h, x2, z2, u2, w2)
-                a3, b3 = model.acceleration(t + C3 * h, x3, z3, u3, w3)
-                a4, b4 = model.acceleration(t + C4 * h, x4, z4, u4, w4)
-            x5 = q0 + (C5 * h * v0 + hh * (((R55 * a5 + R56 * a6) + (R57 * a7 + R50 * a0))
+                a1, b1 = model.acceleration(t + C1 * h, y1, x1, u1, w1)
+                a2, b2 = model.acceleration(t + C2 * h, y2, x2, u2, w2)
+                a3, b3 = model.acceleration(t + C3 * h, y3, x3, u3, w3)
+                a4, b4 = model.acceleration(t + C4 * h, y4, x4, u4, w4)
+            y5 = q0 + (C5 * h * v0 + hh * (((R55 * a5 + R56 * a6) + (R57 * a7 + R50 * a0))
                 + ((R51 * a1 + R52 * a2) + (R53 * a3 + R54 * a4))))
             u5 = v0 + h * (((A55 * a5 + A56 * a6) + (A57 * a7 + A50 * a0)) + ((A51 * a1 + A52 * a2)
                 + (A53 * a3 + A54 * a4)))
-            x6 = q0 + (C6 * h * v0 + hh * (((R66 * a6 + R67 * a7) + (R60 * a0 + R61 * a1))
+            y6 = q0 + (C6 * h * v0 + hh * (((R66 * a6 + R67 * a7) + (R60 * a0 + R61 * a1))
                 + ((R62 * a2 + R63 * a3) + (R64 * a4 + R65 * a5))))
             u6 = v0 + h * (((A66 * a6 + A67 * a7) + (A60 * a0 + A61 * a1)) + ((A62 * a2 + A63 * a3)
                 + (A64 * a4 + A65 * a5)))
-            x7 = q0 + (h * v0 + hh * (((R70 * a0 + R71 * a1) + (R72 * a2 + R73 * a3)) + ((R74 * a4
+            y7 = q0 + (h * v0 + hh * (((R70 * a0 + R71 * a1) + (R72 * a2 + R73 * a3)) + ((R74 * a4
                 + R75 * a5) + R76 * a6)))
             u7 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
                 + (A75 * a5 + A76 * a6)))
             if two:
-                z5 = q1 + (C5 * h * v1 + hh * (((R55 * b5 + R56 * b6) + (R57 * b7 + R50 * b0))
+                x5 = q1 + (C5 * h * v1 + hh * (((R55 * b5 + R56 * b6) + (R57 * b7 + R50 * b0))
                     + ((R51 * b1 + R52 * b2) + (R53 * b3 + R54 * b4))))
                 w5 = v1 + h * (((A55 * b5 + A56 * b6) + (A57 * b7 + A50 * b0)) + ((A51 * b1
                     + A52 * b2) + (A53 * b3 + A54 * b4)))
-                z6 = q1 + (C6 * h * v1 + hh * (((R66 * b6 + R67 * b7) + (R60 * b0 + R61 * b1))
+                x6 = q1 + (C6 * h * v1 + hh * (((R66 * b6 + R67 * b7) + (R60 * b0 + R61 * b1))
                     + ((R62 * b2 + R63 * b3) + (R64 * b4 + R65 * b5))))
                 w6 = v1 + h * (((A66 * b6 + A67 * b7) + (A60 * b0 + A61 * b1)) + ((A62 * b2
                     + A63 * b3) + (A64 * b4 + A65 * b5)))
-                z7 = q1 + (h * v1 + hh * (((R70 * b0 + R71 * b1) + (R72 * b2 + R73 * b3))
+                x7 = q1 + (h * v1 + hh * (((R70 * b0 + R71 * b1) + (R72 * b2 + R73 * b3))
                     + ((R74 * b4 + R75 * b5) + R76 * b6)))
                 w7 = v1 + h * (((A77 * b7 + A70 * b0) + (A71 * b1 + A72 * b2)) + ((A73 * b3
                     + A74 * b4) + (A75 * b5 + A76 * b6)))
             if closing:
-                work += A75 * model.power(t + C5 * h, x5, z5, u5, w5, a5, b5)
-                work += A76 * model.power(t + C6 * h, x6, z6, u6, w6, a6, b6)
-                work += A77 * model.power(t + h, x7, z7, u7, w7, a7, b7)
-            else:
-                a5, b5 = model.acceleration(t + C5 * h, x5, z5, u5, w5)
-                a6, b6 = model.acceleration(t + C6 * h, x6, z6, u6, w6)
-                a7, b7 = model.acceleration(t + h, x7, z7, u7, w7)
-            if closing:
+                work += A75 * model.power(t + C5 * h, y5, x5, u5, w5, a5, b5)
+                work += A76 * model.power(t + C6 * h, y6, x6, u6, w6, a6, b6)
+                work += A77 * model.power(t + h, y7, x7, u7, w7, a7, b7)
                 break
+            a5, b5 = model.acceleration(t + C5 * h, y5, x5, u5, w5)
+            a6, b6 = model.acceleration(t + C6 * h, y6, x6, u6, w6)
+            a7, b7 = model.acceleration(t + h, y7, x7, u7, w7)
             self.sweeps += 1
             if not two:
                 two = b1 != 0.0 or b2 != 0.0 or b3 != 0.0 or b4 != 0.0
@@ -396,7 +331,7 @@ class Collocation:
                 if two:
                     continue
             before = change
-            change = max(math.fabs(u7 - y0) * s0, math.fabs(w7 - y1) * s1)
+            change = max(math.fabs(u7 - last0) * scale0, math.fabs(w7 - last1) * scale1)
             left = change * max(contraction, PRESUMED)
             if before > 0.0:
                 contraction = max(change / before, FASTEST)
@@ -407,10 +342,10 @@ class Collocation:
                     return math.inf
                 if sweep != 1:
                     continue
-            # known well enough after two sweeps to spare a step that is too large the others
-            size = tail(a0, a1, a2, a3, a4, a5, a6, a7) * (s0 * s0)
+            # known well enough after two sweeps to spare the further ones of too large a step
+            size = tail(a0, a1, a2, a3, a4, a5, a6, a7) * (scale0 * scale0)
             if two:
-                size += tail(b0, b1, b2, b3, b4, b5, b6, b7) * (s1 * s1)
+                size += tail(b0, b1, b2, b3, b4, b5, b6, b7) * (scale1 * scale1)
             size *= hh
             if not size <= bound:
                 return size
@@ -421,21 +356,13 @@ class Collocation:
                 closing = True
         else:
             return math.inf
-        x0 = q0 + (h * v0 + hh * (((R70 * a0 + R71 * a1) + (R72 * a2 + R73 * a3)) + ((R74 * a4
-            + R75 * a5) + R76 * a6)))
-        w0 = v0 + h * (((A77 * a7 + A70 * a0) + (A71 * a1 + A72 * a2)) + ((A73 * a3 + A74 * a4)
-            + (A75 * a5 + A76 * a6)))
-        x1 = q1
-        w1 = v1
+        y7, u7 = end(q0, v0, h, a0, a1, a2, a3, a4, a5, a6, a7)
         if two:
-            x1 = q1 + (h * v1 + hh * (((R70 * b0 + R71 * b1) + (R72 * b2 + R73 * b3)) + ((R74 * b4
-                + R75 * b5) + R76 * b6)))
-            w1 = v1 + h * (((A77 * b7 + A70 * b0) + (A71 * b1 + A72 * b2)) + ((A73 * b3 + A74 * b4)
-                + (A75 * b5 + A76 * b6)))
+            x7, w7 = end(q1, v1, h, b0, b1, b2, b3, b4, b5, b6, b7)
         # fmt: on
-        if not math.fabs(x0) + math.fabs(x1) + math.fabs(w0) + math.fabs(w1) <= LARGEST:
+        if not math.fabs(y7) + math.fabs(x7) + math.fabs(u7) + math.fabs(w7) <= LARGEST:
             return math.inf
-        model.q0, model.q1, model.v0, model.v1 = x0, x1, w0, w1
+        model.q0, model.q1, model.v0, model.v1 = y7, x7, u7, w7
         model.work += h * work
         self.a0, self.a1, self.a2, self.a3 = a0, a1, a2, a3
         self.a4, self.a5, self.a6, self.a7 = a4, a5, a6, a7
@@ -447,52 +374,15 @@ class Collocation:
 
 
 # fmt: off
-def extrapolated(
+def end(
+    q: float, v: float, h: float,
     k0: float, k1: float, k2: float, k3: float, k4: float, k5: float, k6: float, k7: float,
-    start: float, r: float,
-) -> Seven:
-    """The polynomial through k0 ... k7 at the nodes 1 to 7 of the next step, r / 2 times as long.
-
-    Shifted so that it begins with `start`, which differs from k7 where an input jumped.
-    """
-    e0 = k7 + k0
-    o0 = k7 - k0
-    e1 = k6 + k1
-    o1 = k6 - k1
-    e2 = k5 + k2
-    o2 = k5 - k2
-    e3 = k4 + k3
-    o3 = k4 - k3
-    p0 = E00 * e0 + E01 * e1 + E02 * e2 + E03 * e3 + (start - k7)
-    p1 = O10 * o0 + O11 * o1 + O12 * o2 + O13 * o3
-    p2 = E20 * e0 + E21 * e1 + E22 * e2 + E23 * e3
-    p3 = O30 * o0 + O31 * o1 + O32 * o2 + O33 * o3
-    p4 = E40 * e0 + E41 * e1 + E42 * e2 + E43 * e3
-    p5 = O50 * o0 + O51 * o1 + O52 * o2 + O53 * o3
-    p6 = E60 * e0 + E61 * e1 + E62 * e2 + E63 * e3
-    p7 = O70 * o0 + O71 * o1 + O72 * o2 + O73 * o3
-    x = 1.0 + C1 * r
-    y1 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
-    x = 1.0 + C2 * r
-    y2 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
-    x = 1.0 + C3 * r
-    y3 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
-    x = 1.0 + C4 * r
-    y4 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
-    x = 1.0 + C5 * r
-    y5 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
-    x = 1.0 + C6 * r
-    y6 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
-    x = 1.0 + r
-    y7 = ((((((p7 * x + p6) * x + p5) * x + p4) * x + p3) * x + p2) * x + p1) * x + p0
-    return y1, y2, y3, y4, y5, y6, y7
-
-
-def tail(
-    k0: float, k1: float, k2: float, k3: float, k4: float, k5: float, k6: float, k7: float
-) -> float:
-    """Squared size of the two highest Legendre coefficients of the polynomial through k0 ... k7."""
-    high = H0 * (k7 - k0) + H1 * (k6 - k1) + H2 * (k5 - k2) + H3 * (k4 - k3)
-    low = F0 * (k7 + k0) + F1 * (k6 + k1) + F2 * (k5 + k2) + F3 * (k4 + k3)
-    return HIGHEST * (high * high) + NEXT * (low * low)
+) -> tuple[float, float]:
+    """Q_7, V_7, the end of the step, of one coordinate with the accelerations k0 ... k7."""
+    hh = h * h
+    x = q + (h * v + hh * (((R70 * k0 + R71 * k1) + (R72 * k2 + R73 * k3)) + ((R74 * k4 + R75 * k5)
+        + R76 * k6)))
+    w = v + h * (((A77 * k7 + A70 * k0) + (A71 * k1 + A72 * k2)) + ((A73 * k3 + A74 * k4)
+        + (A75 * k5 + A76 * k6)))
+    return x, w
 # fmt: on
