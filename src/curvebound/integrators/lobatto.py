@@ -148,7 +148,7 @@ LARGEST: Final = 1e300
 
 
 class Collocation:
-    """The step, and its memory: accelerations a (of q0), b (of q1) at the points of the last one."""
+    """The step, and its memory: accelerations a of q0 and b of q1 at the points of the last."""
 
     def __init__(self) -> None:
         self.a0: float = 0.0
