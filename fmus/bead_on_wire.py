@@ -6,7 +6,7 @@ motion relative to the wire.
 
 from curvebound.fmi.common import ENERGY, GRAVITY, SOLVER
 from curvebound.fmi.declaration import Enumeration, Fmu, choice, input_, output, parameter
-from curvebound.fmi.engine import Plant
+from curvebound.fmi.plant import Plant
 from curvebound.models.bead_on_wire import bead_on_wire
 
 FORMULATION = Enumeration(

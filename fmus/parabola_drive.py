@@ -4,8 +4,8 @@ A waveform plus state feedback, limited and optionally sampled:
 parabola.ax = -K (measurement - reference) + waveform.
 """
 
+from curvebound.fmi.controller import Controller
 from curvebound.fmi.declaration import Enumeration, Fmu, Variable, choice, input_, output, parameter
-from curvebound.fmi.engine import Controller
 from curvebound.models.parabola_drive import ParabolaDrive
 
 WAVEFORM = Enumeration(

@@ -6,7 +6,7 @@ slider and bob; damping acts along the parabola and on the pendulum's rotation.
 
 from curvebound.fmi.common import ENERGY, GRAVITY, SOLVER
 from curvebound.fmi.declaration import Enumeration, Fmu, choice, input_, output, parameter
-from curvebound.fmi.engine import Plant
+from curvebound.fmi.plant import Plant
 from curvebound.models.parabola_pendulum import parabola_pendulum
 
 FIDELITY = Enumeration(

@@ -21,8 +21,8 @@ SOLVER_METHOD = Enumeration(
         ("explicit_euler", "explicit Euler, order 1"),
         ("semi_implicit_euler", "semi-implicit (symplectic) Euler, order 1"),
         ("rk4", "classical Runge-Kutta, order 4"),
-        ("adaptive", "embedded Runge-Kutta pair of order 8 with step-size control"),
-        ("implicit", "two-stage Gauss-Legendre, order 4, A-stable and symmetric, for stiff cases"),
+        ("adaptive", "Lobatto IIIA collocation of order 14 with step-size control"),
+        ("implicit", "two-stage Gauss-Legendre, order 4, A-stable, symplectic, for stiff cases"),
         ("exact", "propagator of the linear fidelity, exact at any step"),
     ),
 )

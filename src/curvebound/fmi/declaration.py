@@ -114,7 +114,7 @@ def count(name: str, description: str) -> Variable:
 class Fmu(NamedTuple):
     """An FMU: its variables and the system of the kernel that gives them their meaning.
 
-    `system` makes the engines of its instances: Plant(...) or Controller(...) of engine.py.
+    `system` makes the engines of its instances: a Plant(...) or a Controller(...).
     `stop_time` and `step_size` (s) are those of DefaultExperiment. It states no tolerance:
     importers would pass it to fmi2SetupExperiment, where it overrides solver.tolerance.
     """

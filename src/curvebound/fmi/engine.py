@@ -8,37 +8,27 @@ the state as it was before the call.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Final
 
-from ..integrators import create
-from ..integrators.base import (
-    DONE,
-    NOT_CONVERGED,
-    NOT_FINITE,
-    STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
-    Method,
+from .table import (
+    CHOICE,
+    COUNT,
+    COUNT_PARAMETER,
+    EPSILON,
+    ERROR,
+    INPUT,
+    LARGEST,
+    NO_GROUP,
+    NOT_REAL,
+    OUTPUT,
+    OVERFLOW,
+    PARAMETER,
+    Message,
+    Table,
 )
-from ..models.base import Law, Model
 from .watch import Watch
 
-__all__ = [
-    "ERROR",
-    "WARNING",
-    "Controller",
-    "ControllerEngine",
-    "Engine",
-    "Message",
-    "Plant",
-    "PlantEngine",
-    "System",
-    "Table",
-]
-
-# fmi2Status
-WARNING: Final = 1
-ERROR: Final = 3
+__all__ = ["Engine", "System"]
 
 # modes
 INSTANTIATED: Final = 0
@@ -46,92 +36,6 @@ INITIALIZATION: Final = 1
 STEPPING: Final = 2
 TERMINATED: Final = 3
 _MODES: Final = ("instantiated", "initialization", "stepping", "terminated")
-
-# kinds of variables, in the order of their value references
-PARAMETER: Final = 0
-CHOICE: Final = 1
-COUNT_PARAMETER: Final = 2
-INPUT: Final = 3
-OUTPUT: Final = 4
-COUNT: Final = 5
-
-#: beyond this a square no longer fits a float: the state counts as having left the finite numbers
-LARGEST: Final = 1e150
-#: stands in for an output that does not fit a float
-OVERFLOW: Final = 1.7976931348623157e308
-#: an upper bound of ulp(x) / x
-EPSILON: Final = 2.220446049250313e-16
-#: markers in the table of output groups
-NO_GROUP: Final = -1
-NOT_REAL: Final = -2
-
-_EXACT: Final = 6
-
-
-class Message:
-    """A log message as PythonFMU's wrapper reads it."""
-
-    def __init__(self, status: int, category: str, msg: str) -> None:
-        self.status = status
-        self.category = category
-        self.msg = msg
-        self.debug = False
-
-
-class Table:
-    """The variables of an FMU by value reference; shared by its instances."""
-
-    def __init__(
-        self,
-        names: list[str],
-        kinds: list[int],
-        units: list[str],
-        starts: list[float],
-        minima: list[float],
-        above: list[bool],
-        tunable: list[bool],
-        items: list[list[str]],
-    ) -> None:
-        self.names = names
-        self.kinds = kinds
-        self.units = units
-        self.starts = starts
-        #: least allowed value of a parameter (itself excluded where `above`), -inf without bound
-        self.minima = minima
-        self.above = above
-        self.tunable = tunable
-        #: names of the items of a choice
-        self.items = items
-        self.size = len(names)
-        self.first_input = self._first(INPUT)
-        self.first_output = self._first(OUTPUT)
-        self.first_count = self._first(COUNT)
-        self.by_name = {name: i for i, name in enumerate(names)}
-
-    def _first(self, kind: int) -> int:
-        for i in range(len(self.kinds)):
-            if self.kinds[i] >= kind:
-                return i
-        return len(self.kinds)
-
-    def is_real(self, vr: int) -> bool:
-        kind = self.kinds[vr]
-        return kind == PARAMETER or kind == INPUT or kind == OUTPUT
-
-
-def substeps(duration: float, step: float, time: float) -> float:
-    """Fewest internal steps not larger than `step` in a communication step of `duration` at `time`.
-
-    The caller's duration is a difference of times and so uncertain by a few ulp of the time; that
-    uncertainty adds no step. Returned as a float because it may exceed every int of interest.
-    """
-    slack = 4.0 * EPSILON * (abs(time) + duration)
-    ratio = (duration - slack) / step
-    if ratio <= 1.0:
-        return 1.0
-    if ratio >= 1e18:
-        return ratio
-    return float(math.ceil(ratio))
 
 
 class Engine:
@@ -285,17 +189,11 @@ class Engine:
 
     def start(self) -> str:
         """Check every parameter and start the system; returns a message if something is wrong."""
-        table = self.table
-        reals: dict[str, float] = {}
-        choices: dict[str, int] = {}
-        for vr in range(table.first_input):
+        for vr in range(self.table.first_input):
             message = self.outside_domain(vr)
             if message:
                 return message
-            if table.kinds[vr] == PARAMETER:
-                reals[table.names[vr]] = self.reals[vr]
-            else:
-                choices[table.names[vr]] = self.integers[vr]
+        reals, choices = self.parameters()
         if self.tolerance_defined:
             if not (0.0 < self.tolerance < math.inf):
                 return (
@@ -317,6 +215,18 @@ class Engine:
         for i in range(len(self.fresh)):
             self.fresh[i] = False
         return ""
+
+    def parameters(self) -> tuple[dict[str, float], dict[str, int]]:
+        """Real parameters, and enumeration and Integer ones, by name."""
+        table = self.table
+        reals: dict[str, float] = {}
+        choices: dict[str, int] = {}
+        for vr in range(table.first_input):
+            if table.kinds[vr] == PARAMETER:
+                reals[table.names[vr]] = self.reals[vr]
+            else:
+                choices[table.names[vr]] = self.integers[vr]
+        return reals, choices
 
     def outside_domain(self, vr: int) -> str:
         """The message for a parameter outside its domain, or ''."""
@@ -591,260 +501,9 @@ class Engine:
             self.fresh[g] = False
 
 
-class PlantEngine(Engine):
-    """A mechanical model with a time-integration method."""
-
-    def __init__(self, table: Table, guid: str, factory: Callable[[dict[str, int]], Model]) -> None:
-        self.factory = factory
-        self.model: Model = Model()
-        self.method: Method = Method()
-        self.step: float = 0.0
-        self.relative: float = 0.0
-        self.max_steps: int = 0
-        #: whether the method carries something from step to step
-        self.remembers: bool = False
-        self.look_at_drift: bool = False
-        self.look_at_linear: bool = False
-        #: J, at the first look
-        self.first_potential: float = math.nan
-        super().__init__(table, guid)
-
-    def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
-        model = self.factory(choices)
-        item = choices["solver.method"]
-        if item == _EXACT and not model.is_linear:
-            remedy = "set model.fidelity = linear, or " if "model.fidelity" in choices else ""
-            return (
-                "solver.method = 6 (exact) needs a linear model, whose solution is known: "
-                f"{remedy}choose another solver.method such as 4 (adaptive)"
-            )
-        try:
-            model.start(reals, choices)
-        except ValueError as error:
-            return str(error)
-        self.model = model
-        self.method = create(item)
-        self.remembers = len(self.method.get_state()) > 0
-        self.step = reals["solver.step"]
-        self.relative = reals["solver.tolerance"]
-        self.max_steps = choices["solver.max_steps"]
-        self.grouped(model.OUTPUTS, model.FEEDTHROUGH)
-        self.look_at_drift = "constraint.drift" in model.OUTPUTS
-        self.look_at_linear = model.is_linear
-        self.first_potential = math.nan
-        return (
-            "" if self.finite() else "the initial state is not finite: choose smaller start values"
-        )
-
-    def take_inputs(self) -> None:
-        self.model.set_inputs(self.reals, self.table.first_input)
-
-    def observe(self, group: int) -> None:
-        self.model.observe(group, self.reals, self.table.first_output)
-
-    def count_of(self, vr: int) -> int:
-        return self.method.steps if vr == self.table.first_count else self.method.evaluations
-
-    def finite(self) -> bool:
-        """Whether state and work are finite and small enough to be squared."""
-        m = self.model
-        return (
-            -LARGEST < m.q0 < LARGEST
-            and -LARGEST < m.q1 < LARGEST
-            and -LARGEST < m.v0 < LARGEST
-            and -LARGEST < m.v1 < LARGEST
-            and -LARGEST < m.work < LARGEST
-        )
-
-    def advance(self, duration: float) -> str:
-        model = self.model
-        method = self.method
-        count = 1.0
-        if not method.CHOOSES_STEP:
-            count = substeps(duration, self.step, self.time)
-            if count > self.max_steps:
-                return self.explain(TOO_MANY_STEPS, duration / count, duration)
-        elif not model.is_constant and method.ORDER == 0:
-            return (
-                "solver.method = exact needs a constant parabola.coefficient, but its rate or "
-                "parabola.coefficient_acceleration is not zero: choose another solver.method "
-                "such as adaptive, or keep the coefficient constant"
-            )
-        steps = method.steps
-        evaluations = method.evaluations
-        memory = method.get_state() if self.remembers else []
-        model.keep()
-        try:
-            failure = method.advance(model, duration, int(count), self.relative, self.max_steps)
-            if failure == DONE:
-                model.advance_frame(duration)
-                if self.finite():
-                    return ""
-                failure = NOT_FINITE
-        except (ZeroDivisionError, OverflowError, ValueError):
-            failure = NOT_FINITE
-        by_method = method.CHOOSES_STEP or failure != NOT_FINITE
-        message = self.explain(failure, method.reached if by_method else duration / count, duration)
-        model.undo()
-        method.steps = steps
-        method.evaluations = evaluations
-        if self.remembers:
-            method.set_state(memory)
-        return message
-
-    def output(self, name: str) -> float:
-        """An output by name, brought up to date."""
-        vr = self.table.by_name[name]
-        group = self.groups[vr]
-        if not self.fresh[group]:
-            queued = len(self.queue)
-            self.refresh(group)
-            if len(self.queue) > queued:
-                # one does not fit a float: that fails a reading, where it is said, but not a step
-                del self.queue[queued:]
-                self.fresh[group] = False
-        return self.reals[vr]
-
-    def look(self) -> None:
-        watch = self.watch
-        said = ""
-        if not watch.said_energy:
-            potential = self.output("energy.potential")
-            if self.first_potential != self.first_potential:
-                self.first_potential = potential
-            method = self.method
-            by_step = not method.CHOOSES_STEP
-            said = watch.energy(
-                self.output("energy.kinetic"),
-                potential - self.first_potential,
-                self.output("energy.residual"),
-                method.ORDER if by_step else 1,
-                "solver.step" if by_step else "solver.tolerance",
-                self.step if by_step else self.relative,
-                self.time,
-            )
-            if said:
-                self.say(WARNING, said)
-        if self.look_at_drift and not watch.said_drift:
-            radius = self.reals[self.table.by_name["wire.radius"]]
-            said = watch.drift(self.output("constraint.drift"), radius, self.time)
-            if said:
-                self.say(WARNING, said)
-        if self.look_at_linear and not watch.said_linear:
-            said = watch.linear(self.output("model.acceleration_error"), self.time)
-            if said:
-                self.say(WARNING, said)
-
-    def explain(self, failure: int, reached: float, duration: float) -> str:
-        """The message of a failed step: what, where and what to do."""
-        where = f" at time {self.time!r} s in a communication step of {duration!r} s"
-        if failure == TOO_MANY_STEPS:
-            return (
-                f"solver.max_steps = {self.max_steps} internal steps do not reach the end{where}; "
-                f"the step size reached is {reached!r} s: raise solver.max_steps, "
-                "solver.step or solver.tolerance, or shorten the communication step"
-            )
-        if failure == STEP_TOO_SMALL:
-            return (
-                f"solver.tolerance = {self.relative!r} asks for an internal step of {reached!r} s, "
-                f"below the resolution of time{where}: raise solver.tolerance"
-            )
-        if failure == NOT_CONVERGED:
-            return (
-                f"solver.method = implicit: the Newton iteration does not converge{where}, "
-                f"even with an internal step of {reached!r} s: reduce solver.step"
-            )
-        m = self.model
-        size = f" with internal steps of {reached!r} s" if reached > 0.0 else ""
-        remedy = "use smaller parameters, start values or inputs"
-        if not self.method.CHOOSES_STEP:
-            remedy = "reduce solver.step, or choose solver.method = adaptive"
-        return (
-            f"the state left the finite numbers{where}{size} "
-            f"(coordinates {m.q0!r}, {m.q1!r}, rates {m.v0!r}, {m.v1!r}): {remedy}"
-        )
-
-    def system_state(self) -> list[list[float]]:
-        counters = [float(self.method.steps), float(self.method.evaluations)]
-        return [self.model.get_state(), counters, self.method.get_state()]
-
-    def restore_system(self, state: list[list[float]]) -> None:
-        if not self.bad_value():
-            self.take_inputs()
-        self.model.set_state(state[0])
-        self.method.steps = int(state[1][0])
-        self.method.evaluations = int(state[1][1])
-        self.method.set_state(state[2])
-
-
-class ControllerEngine(Engine):
-    """A control law."""
-
-    def __init__(self, table: Table, guid: str, factory: Callable[[], Law]) -> None:
-        self.factory = factory
-        self.law: Law = factory()
-        super().__init__(table, guid)
-
-    def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
-        law = self.factory()
-        law.start(reals, choices, self.time)
-        self.law = law
-        self.grouped(law.OUTPUTS, law.FEEDTHROUGH)
-        return ""
-
-    def take_inputs(self) -> None:
-        table = self.table
-        if self.retuned:
-            reals: dict[str, float] = {}
-            choices: dict[str, int] = {}
-            for vr in range(table.first_input):
-                if table.kinds[vr] == PARAMETER:
-                    reals[table.names[vr]] = self.reals[vr]
-                else:
-                    choices[table.names[vr]] = self.integers[vr]
-            self.law.set_parameters(reals, choices)
-            self.retuned = False
-        self.law.set_inputs(self.reals, table.first_input)
-
-    def observe(self, group: int) -> None:
-        self.law.observe(group, self.reals, self.table.first_output)
-
-    def advance(self, duration: float) -> str:
-        self.law.advance(self.time, duration)
-        return ""
-
-    def system_state(self) -> list[list[float]]:
-        return [self.law.get_state()]
-
-    def restore_system(self, state: list[list[float]]) -> None:
-        if not self.bad_value():
-            self.take_inputs()
-        self.law.set_state(state[0])
-
-
 class System:
     """Makes the engines of an FMU's instances."""
 
     def create(self, table: Table, guid: str) -> Engine:
         """A new engine for the variables of `table`."""
         raise NotImplementedError
-
-
-class Plant(System):
-    """Engines of a mechanical model; `factory` picks the model from the choices."""
-
-    def __init__(self, factory: Callable[[dict[str, int]], Model]) -> None:
-        self.factory = factory
-
-    def create(self, table: Table, guid: str) -> Engine:
-        return PlantEngine(table, guid, self.factory)
-
-
-class Controller(System):
-    """Engines of a control law."""
-
-    def __init__(self, factory: Callable[[], Law]) -> None:
-        self.factory = factory
-
-    def create(self, table: Table, guid: str) -> Engine:
-        return ControllerEngine(table, guid, self.factory)

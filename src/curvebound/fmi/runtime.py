@@ -55,7 +55,8 @@ def runtime() -> Runtime:
         for path in (_PACKAGE / folder).glob("*.py")
         if path.name != "__init__.py"
     ]
-    compiled = (*sorted(kernel), "fmi/engine.py", "fmi/watch.py")
+    faces = ("controller", "engine", "plant", "table", "watch")
+    compiled = (*sorted(kernel), *(f"fmi/{face}.py" for face in faces))
     files = {name: (_PACKAGE / name).read_bytes() for name in (*compiled, *_INTERPRETED)}
     files["__init__.py"] = _init(compiled).encode()
     digest = hashlib.sha256(version("pythonfmu").encode())

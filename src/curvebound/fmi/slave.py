@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu
-from .engine import ERROR, Engine, Message, Table
+from .engine import Engine
+from .table import ERROR, Message, Table
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

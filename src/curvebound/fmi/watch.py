@@ -67,28 +67,26 @@ class Watch:
         better = value / excess if order <= 1 else value / excess ** (1.0 / order)
         return (
             f"energy.residual = {residual:.3g} J at time {time:.6g} s is more than "
-            f"{ENERGY_FRACTION:g} of the energy that moves ({self.moved:.3g} J): the integration is "
-            f"inaccurate; try {setting} = {better:.1g} instead of {value:g}"
+            f"{ENERGY_FRACTION:g} of the energy that moves ({self.moved:.3g} J): the integration "
+            f"is inaccurate; try {setting} = {better:.1g} instead of {value:g}"
         )
 
-    def drift(self, drift: float, radius: float, time: float) -> str:
-        """The warning about the constraint, or ''; both in m."""
-        if self.said_drift or not abs(drift) > DRIFT_FRACTION * radius:
+    def drift(self, drift: float, size: float, remedy: str, time: float) -> str:
+        """The warning about the constraint, or ''; drift and size of the curve in m."""
+        if self.said_drift or not abs(drift) > DRIFT_FRACTION * size:
             return ""
         self.said_drift = True
         return (
-            f"constraint.drift = {drift:.3g} m at time {time:.6g} s is more than {DRIFT_FRACTION:g} "
-            f"of wire.radius = {radius:g} m: set constraint.stabilization = 3 (projection) or "
-            "model.formulation = 2 (angle)"
+            f"constraint.drift = {drift:.3g} m at time {time:.6g} s is more than "
+            f"{DRIFT_FRACTION:g} of the curve's size, {size:g} m: {remedy}"
         )
 
-    def linear(self, error: float, time: float) -> str:
+    def linear(self, error: float, remedy: str, time: float) -> str:
         """The warning about the linear fidelity, or ''."""
         if self.said_linear or not error > ACCELERATION_ERROR:
             return ""
         self.said_linear = True
         return (
             f"model.acceleration_error = {error:.3g} at time {time:.6g} s is more than "
-            f"{ACCELERATION_ERROR:g}: the linear fidelity is beyond its range; "
-            "set model.fidelity = 2 (nonlinear), or start smaller"
+            f"{ACCELERATION_ERROR:g}: the linear fidelity is beyond its range; {remedy}"
         )

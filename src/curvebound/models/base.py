@@ -14,7 +14,7 @@ from typing import ClassVar
 
 __all__ = ["Jacobian", "Law", "Model"]
 
-#: d(acceleration)/dq and /dv: (da0/dq0, da0/dq1, da1/dq0, da1/dq1, da0/dv0, da0/dv1, da1/dv0, da1/dv1)
+#: d(acceleration)/d(q, v): a0 by q0, q1; a1 by q0, q1; a0 by v0, v1; a1 by v0, v1
 Jacobian = tuple[float, float, float, float, float, float, float, float]
 
 
@@ -27,7 +27,7 @@ class Model:
 
     PARAMETERS  names of the Real parameters, CHOICES names of the enumeration parameters
     INPUTS      names of the Real inputs
-    OUTPUTS     names of the Real outputs, mapped to their group: the outputs of a group are computed
+    OUTPUTS     names of the Real outputs, mapped to their group: those of a group are computed
                 together, and only when one of them is read
     FEEDTHROUGH the groups whose values depend on the inputs of the same instant
     """
@@ -95,17 +95,29 @@ class Model:
         raise NotImplementedError
 
     def power_form(self) -> list[list[float]]:
-        """C, symmetric, shape (5, 5), with power = z C z for z of linear_system(); only if is_linear."""
+        """C, symmetric, (5, 5): power = z C z with z of linear_system(); only if is_linear."""
         raise NotImplementedError
 
-    # -- hooks of the time stepping ------------------------------------------------------------------
+    def remedy(self, trouble: str) -> str:
+        """What to change, in the words of this model's variables, against `trouble`.
+
+        "linear" (exact was chosen for a nonlinear model; ends in ", or " unless empty),
+        "nonlinear" (a linear model beyond its range), "drift" (of the constraint).
+        """
+        return ""
+
+    def variation(self) -> str:
+        """Which variables, with their values, make the coefficients vary; for not is_constant."""
+        return ""
+
+    # -- hooks of the time stepping ----------------------------------------------------------------
     def settle(self, h: float) -> None:
-        """After each accepted internal step of h seconds, when `settles`: projection, turn counting."""
+        """After an accepted internal step of h seconds, when `settles`: projection, turns."""
 
     def advance_frame(self, duration: float) -> None:
         """At the end of a communication step: move the frame exactly (a polynomial of time)."""
 
-    # -- rollback and saved state ----------------------------------------------------------------------
+    # -- rollback and saved state ------------------------------------------------------------------
     def get_state(self) -> list[float]:
         """Everything that changes while running (state, frame, work, counters), finite floats."""
         raise NotImplementedError
@@ -140,9 +152,7 @@ class Law:
     OUTPUTS: ClassVar[dict[str, int]] = {}
     FEEDTHROUGH: ClassVar[tuple[int, ...]] = ()
 
-    def start(
-        self, parameters: dict[str, float], choices: dict[str, int], time: float
-    ) -> None:
+    def start(self, parameters: dict[str, float], choices: dict[str, int], time: float) -> None:
         """Take parameters and choices and start at `time`."""
         raise NotImplementedError
 

@@ -67,6 +67,11 @@ class BeadBase(FramedModel):
         self.ex: float = 0.0
         self.ey: float = 0.0
 
+    def remedy(self, trouble: str) -> str:
+        if trouble == "drift":
+            return "set constraint.stabilization = 3 (projection) or model.formulation = 2 (angle)"
+        return ""
+
     def start(self, parameters: dict[str, float], choices: dict[str, int]) -> None:
         self.rest_frame(parameters)
         self.m = parameters["bead.mass"]

@@ -110,6 +110,19 @@ class ParabolaBase(FramedModel):
         self.lift: float = 0.0
         self.kept_a: tuple[float, float] = (0.0, 0.0)
 
+    def remedy(self, trouble: str) -> str:
+        if trouble == "linear":
+            return "set model.fidelity = 1 (linear), or "
+        if trouble == "nonlinear":
+            return "set model.fidelity = 2 (nonlinear), or start smaller"
+        return ""
+
+    def variation(self) -> str:
+        return (
+            f"parabola.coefficient_rate = {self.a_rate!r} 1/(m.s) and "
+            f"parabola.coefficient_acceleration = {self.a_acceleration!r} 1/(m.s2)"
+        )
+
     def start(self, parameters: dict[str, float], choices: dict[str, int]) -> None:
         self.rest_frame(parameters)
         self.m1 = parameters["slider.mass"]

@@ -1,0 +1,59 @@
+"""The engine of a control law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..models.base import Law
+from .engine import Engine, System
+from .table import Table
+
+__all__ = ["Controller", "ControllerEngine"]
+
+
+class ControllerEngine(Engine):
+    """A control law."""
+
+    def __init__(self, table: Table, guid: str, factory: Callable[[], Law]) -> None:
+        self.factory = factory
+        self.law: Law = factory()
+        super().__init__(table, guid)
+
+    def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
+        law = self.factory()
+        law.start(reals, choices, self.time)
+        self.law = law
+        self.grouped(law.OUTPUTS, law.FEEDTHROUGH)
+        return ""
+
+    def take_inputs(self) -> None:
+        if self.retuned:
+            reals, choices = self.parameters()
+            self.law.set_parameters(reals, choices)
+            self.retuned = False
+        self.law.set_inputs(self.reals, self.table.first_input)
+
+    def observe(self, group: int) -> None:
+        self.law.observe(group, self.reals, self.table.first_output)
+
+    def advance(self, duration: float) -> str:
+        self.law.advance(self.time, duration)
+        return ""
+
+    def system_state(self) -> list[list[float]]:
+        return [self.law.get_state()]
+
+    def restore_system(self, state: list[list[float]]) -> None:
+        if not self.bad_value():
+            self.take_inputs()
+        self.law.set_state(state[0])
+
+
+class Controller(System):
+    """Engines of a control law."""
+
+    def __init__(self, factory: Callable[[], Law]) -> None:
+        self.factory = factory
+
+    def create(self, table: Table, guid: str) -> Engine:
+        return ControllerEngine(table, guid, self.factory)

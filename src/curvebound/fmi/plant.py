@@ -1,0 +1,240 @@
+"""The engine of a mechanical model: communication steps by a time-integration method."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+from ..integrators import METHODS, create
+from ..integrators.base import (
+    DONE,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+    Method,
+)
+from ..models.base import Model
+from .engine import Engine, System
+from .table import EPSILON, LARGEST, WARNING, Table
+
+__all__ = ["Plant", "PlantEngine"]
+
+_EXACT: Final = METHODS.index("exact") + 1
+
+
+def substeps(duration: float, step: float, time: float) -> float:
+    """Fewest internal steps not larger than `step` in a communication step of `duration` at `time`.
+
+    The caller's duration is a difference of times and so uncertain by a few ulp of the time; that
+    uncertainty adds no step. Returned as a float because it may exceed every int of interest.
+    """
+    slack = 4.0 * EPSILON * (abs(time) + duration)
+    ratio = (duration - slack) / step
+    if ratio <= 1.0:
+        return 1.0
+    if ratio >= 1e18:
+        return ratio
+    return float(math.ceil(ratio))
+
+
+class PlantEngine(Engine):
+    """A mechanical model with a time-integration method."""
+
+    def __init__(self, table: Table, guid: str, factory: Callable[[dict[str, int]], Model]) -> None:
+        self.factory = factory
+        self.model: Model = Model()
+        self.method: Method = Method()
+        self.step: float = 0.0
+        self.relative: float = 0.0
+        self.max_steps: int = 0
+        #: whether the method carries something from step to step
+        self.remembers: bool = False
+        self.look_at_drift: bool = False
+        self.look_at_linear: bool = False
+        #: J, at the first look
+        self.first_potential: float = math.nan
+        super().__init__(table, guid)
+
+    def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
+        model = self.factory(choices)
+        item = choices["solver.method"]
+        if item == _EXACT and not model.is_linear:
+            return (
+                f"solver.method = {item} (exact) needs a linear model, whose solution is known: "
+                f"{model.remedy('linear')}choose another solver.method such as 4 (adaptive)"
+            )
+        try:
+            model.start(reals, choices)
+        except ValueError as error:
+            return str(error)
+        self.model = model
+        self.method = create(item)
+        self.remembers = len(self.method.get_state()) > 0
+        self.step = reals["solver.step"]
+        self.relative = reals["solver.tolerance"]
+        self.max_steps = choices["solver.max_steps"]
+        self.grouped(model.OUTPUTS, model.FEEDTHROUGH)
+        self.look_at_drift = "constraint.drift" in model.OUTPUTS
+        self.look_at_linear = model.is_linear
+        self.first_potential = math.nan
+        return (
+            "" if self.finite() else "the initial state is not finite: choose smaller start values"
+        )
+
+    def take_inputs(self) -> None:
+        self.model.set_inputs(self.reals, self.table.first_input)
+
+    def observe(self, group: int) -> None:
+        self.model.observe(group, self.reals, self.table.first_output)
+
+    def count_of(self, vr: int) -> int:
+        return self.method.steps if vr == self.table.first_count else self.method.evaluations
+
+    def finite(self) -> bool:
+        """Whether state and work are finite and small enough to be squared."""
+        m = self.model
+        return (
+            -LARGEST < m.q0 < LARGEST
+            and -LARGEST < m.q1 < LARGEST
+            and -LARGEST < m.v0 < LARGEST
+            and -LARGEST < m.v1 < LARGEST
+            and -LARGEST < m.work < LARGEST
+        )
+
+    def advance(self, duration: float) -> str:
+        model = self.model
+        method = self.method
+        count = 1.0
+        if not method.CHOOSES_STEP:
+            count = substeps(duration, self.step, self.time)
+            if count > self.max_steps:
+                return self.explain(TOO_MANY_STEPS, duration / count, duration)
+        elif not model.is_constant and method.ORDER == 0:
+            return (
+                f"solver.method = {_EXACT} (exact) needs constant coefficients, but "
+                f"{model.variation()} at time {self.time!r} s: choose another solver.method such "
+                "as 4 (adaptive), or keep them constant"
+            )
+        steps = method.steps
+        evaluations = method.evaluations
+        memory = method.get_state() if self.remembers else []
+        model.keep()
+        try:
+            failure = method.advance(model, duration, int(count), self.relative, self.max_steps)
+            if failure == DONE:
+                model.advance_frame(duration)
+                if self.finite():
+                    return ""
+                failure = NOT_FINITE
+        except (ZeroDivisionError, OverflowError, ValueError):
+            failure = NOT_FINITE
+        by_method = method.CHOOSES_STEP or failure != NOT_FINITE
+        message = self.explain(failure, method.reached if by_method else duration / count, duration)
+        model.undo()
+        method.steps = steps
+        method.evaluations = evaluations
+        if self.remembers:
+            method.set_state(memory)
+        return message
+
+    def output(self, name: str) -> float:
+        """An output by name, brought up to date."""
+        vr = self.table.by_name[name]
+        group = self.groups[vr]
+        if not self.fresh[group]:
+            queued = len(self.queue)
+            self.refresh(group)
+            if len(self.queue) > queued:
+                # one does not fit a float: that fails a reading, where it is said, but not a step
+                del self.queue[queued:]
+                self.fresh[group] = False
+        return self.reals[vr]
+
+    def look(self) -> None:
+        watch = self.watch
+        said = ""
+        if not watch.said_energy:
+            potential = self.output("energy.potential")
+            if self.first_potential != self.first_potential:
+                self.first_potential = potential
+            method = self.method
+            by_step = not method.CHOOSES_STEP
+            said = watch.energy(
+                self.output("energy.kinetic"),
+                potential - self.first_potential,
+                self.output("energy.residual"),
+                method.ORDER if by_step else 1,
+                "solver.step" if by_step else self.tolerance_name(),
+                self.step if by_step else self.relative,
+                self.time,
+            )
+            if said:
+                self.say(WARNING, said)
+        if self.look_at_drift and not watch.said_drift:
+            model = self.model
+            drift = self.output("constraint.drift")
+            said = watch.drift(drift, model.q0_scale, model.remedy("drift"), self.time)
+            if said:
+                self.say(WARNING, said)
+        if self.look_at_linear and not watch.said_linear:
+            error = self.output("model.acceleration_error")
+            said = watch.linear(error, self.model.remedy("nonlinear"), self.time)
+            if said:
+                self.say(WARNING, said)
+
+    def tolerance_name(self) -> str:
+        """What sets the tolerance."""
+        return "tolerance (fmi2SetupExperiment)" if self.tolerance_defined else "solver.tolerance"
+
+    def explain(self, failure: int, reached: float, duration: float) -> str:
+        """The message of a failed step: what, where and what to do."""
+        where = f" at time {self.time!r} s in a communication step of {duration!r} s"
+        if failure == TOO_MANY_STEPS:
+            return (
+                f"solver.max_steps = {self.max_steps} internal steps do not reach the end{where}; "
+                f"the step size reached is {reached!r} s: raise solver.max_steps, solver.step or "
+                f"{self.tolerance_name()}, or shorten the communication step"
+            )
+        if failure == STEP_TOO_SMALL:
+            return (
+                f"{self.tolerance_name()} = {self.relative!r} asks for an internal step of "
+                f"{reached!r} s, below the resolution of time{where}: raise it"
+            )
+        if failure == NOT_CONVERGED:
+            return (
+                f"solver.method = implicit: the Newton iteration does not converge{where}, "
+                f"even with an internal step of {reached!r} s: reduce solver.step"
+            )
+        m = self.model
+        size = f" with internal steps of {reached!r} s" if reached > 0.0 else ""
+        remedy = "use smaller parameters, start values or inputs"
+        if not self.method.CHOOSES_STEP:
+            remedy = "reduce solver.step, or choose solver.method = adaptive"
+        return (
+            f"the state left the finite numbers{where}{size} "
+            f"(coordinates {m.q0!r}, {m.q1!r}, rates {m.v0!r}, {m.v1!r}): {remedy}"
+        )
+
+    def system_state(self) -> list[list[float]]:
+        counters = [float(self.method.steps), float(self.method.evaluations)]
+        return [self.model.get_state(), counters, self.method.get_state()]
+
+    def restore_system(self, state: list[list[float]]) -> None:
+        if not self.bad_value():
+            self.take_inputs()
+        self.model.set_state(state[0])
+        self.method.steps = int(state[1][0])
+        self.method.evaluations = int(state[1][1])
+        self.method.set_state(state[2])
+
+
+class Plant(System):
+    """Engines of a mechanical model; `factory` picks the model from the choices."""
+
+    def __init__(self, factory: Callable[[dict[str, int]], Model]) -> None:
+        self.factory = factory
+
+    def create(self, table: Table, guid: str) -> Engine:
+        return PlantEngine(table, guid, self.factory)

@@ -1,0 +1,80 @@
+"""The variables of an FMU as an engine needs them, and its log messages."""
+
+from __future__ import annotations
+
+from typing import Final
+
+__all__ = ["ERROR", "WARNING", "Message", "Table"]
+
+# fmi2Status
+WARNING: Final = 1
+ERROR: Final = 3
+
+# kinds of variables, in the order of their value references
+PARAMETER: Final = 0
+CHOICE: Final = 1
+COUNT_PARAMETER: Final = 2
+INPUT: Final = 3
+OUTPUT: Final = 4
+COUNT: Final = 5
+
+#: beyond this a square no longer fits a float: the state counts as having left the finite numbers
+LARGEST: Final = 1e150
+#: stands in for an output that does not fit a float
+OVERFLOW: Final = 1.7976931348623157e308
+#: an upper bound of ulp(x) / x
+EPSILON: Final = 2.220446049250313e-16
+#: markers in the table of output groups
+NO_GROUP: Final = -1
+NOT_REAL: Final = -2
+
+
+class Message:
+    """A log message as PythonFMU's wrapper reads it."""
+
+    def __init__(self, status: int, category: str, msg: str) -> None:
+        self.status = status
+        self.category = category
+        self.msg = msg
+        self.debug = False
+
+
+class Table:
+    """The variables of an FMU by value reference; shared by its instances."""
+
+    def __init__(
+        self,
+        names: list[str],
+        kinds: list[int],
+        units: list[str],
+        starts: list[float],
+        minima: list[float],
+        above: list[bool],
+        tunable: list[bool],
+        items: list[list[str]],
+    ) -> None:
+        self.names = names
+        self.kinds = kinds
+        self.units = units
+        self.starts = starts
+        #: least allowed value of a parameter (itself excluded where `above`), -inf without bound
+        self.minima = minima
+        self.above = above
+        self.tunable = tunable
+        #: names of the items of a choice
+        self.items = items
+        self.size = len(names)
+        self.first_input = self._first(INPUT)
+        self.first_output = self._first(OUTPUT)
+        self.first_count = self._first(COUNT)
+        self.by_name = {name: i for i, name in enumerate(names)}
+
+    def _first(self, kind: int) -> int:
+        for i in range(len(self.kinds)):
+            if self.kinds[i] >= kind:
+                return i
+        return len(self.kinds)
+
+    def is_real(self, vr: int) -> bool:
+        kind = self.kinds[vr]
+        return kind == PARAMETER or kind == INPUT or kind == OUTPUT
