@@ -87,7 +87,7 @@ def test_parameter_set_to_it_in_initialization_mode(extracted, name, variable, v
 INITIALIZATIONS: dict[tuple[Any, ...], tuple[list[Call], tuple[str, ...]]] = {
     ("ParabolaPendulum", "exact nonlinear"): (
         [SETUP, ("set", {"solver.method": "exact"}), ENTER],
-        ("solver.method", "6", "model.fidelity = linear"),
+        ("solver.method", "6", "model.fidelity = 1 (linear)"),
     ),
     ("BeadOnWire", "exact"): (
         [SETUP, ("set", {"solver.method": "exact"}), ENTER],
