@@ -152,17 +152,21 @@ Host = Callable[..., Answers]
 
 @pytest.fixture(scope="session")
 def host(host_program: Path) -> Host:
-    """Run commands in a fresh host process: host(commands, environment=..., check=True).
+    """Run commands in a fresh host process: host(commands, environment=..., program=..., check=True).
 
     Words of a command are separated by spaces, or by tabs where it has any.
     """
 
     def run(
-        commands: Sequence[str], environment: Mapping[str, str] = PLAIN, *, check: bool = True
+        commands: Sequence[str],
+        environment: Mapping[str, str] = PLAIN,
+        *,
+        program: Path = host_program,
+        check: bool = True,
     ) -> Answers:
         text = "".join((c if "\t" in c else c.replace(" ", "\t")) + "\n" for c in commands)
         done = subprocess.run(
-            [str(host_program)],
+            [str(program)],
             input=text,
             env=dict(environment),
             capture_output=True,

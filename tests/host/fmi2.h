@@ -75,10 +75,14 @@ typedef struct {
     FMI2_FUNCTIONS(FMI2_MEMBER)
 } Fmu;
 
-/* Load a binary as most tools do; 0 when that fails. */
+#ifndef SCOPE
+#define SCOPE RTLD_LOCAL /* as most tools load binaries */
+#endif
+
+/* Load a binary; 0 when that fails. */
 static inline int fmu_load(Fmu *f, const char *path)
 {
-    f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    f->library = dlopen(path, RTLD_NOW | SCOPE);
     if (!f->library) {
         printf("dlopen: %s\n", dlerror());
         return 0;

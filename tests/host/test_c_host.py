@@ -197,7 +197,9 @@ def test_the_binary_runs_on_older_systems(bead):
 # -- the same code and other code side by side
 
 
-def test_several_fmus_in_one_process(host, fmus):
+@pytest.mark.parametrize("scope", ["RTLD_LOCAL", "RTLD_GLOBAL"])
+def test_several_fmus_in_one_process(host, compile_host, fmus, scope, tmp_path):
+    program = compile_host("host.c", tmp_path / "host", f"-DSCOPE={scope}")
     alone = {name: rows(host(whole_run(f, f.outputs(), 5))) for name, f in fmus.items()}
     commands = []
     for k, fmu in enumerate(fmus.values()):
@@ -206,7 +208,7 @@ def test_several_fmus_in_one_process(host, fmus):
     for step in range(5):
         for k, fmu in enumerate(fmus.values()):
             commands += [f"steps {k} {step * 0.05!r} 0.05 1 {' '.join(map(str, fmu.outputs()))}"]
-    together = rows(host(commands))
+    together = rows(host(commands, program=program))
     n = len(fmus)
     for k, name in enumerate(fmus):
         assert [together[k], *together[n + k :: n]] == alone[name]

@@ -149,8 +149,8 @@ def test_fmi_sim(expected, name, tmp_path):
     program = tool(TOOLS / "bin" / "fmi-sim")
     case = expected[name]
     result = tmp_path / "result.csv"
-    common = ["--start-time", 0, "--stop-time", 1, "--step-size", STEP, "--output-interval", STEP]
-    run([program, "--model", case.path, "-o", result, "co-simulation", *common], tmp_path)
+    times = ["-s", 0, "-f", 1, "--output-interval", STEP]
+    run([program, "--model", case.path, "-o", result, "co-simulation", *times], tmp_path)
     with open(result, newline="") as stream:
         table = list(csv.reader(stream))
     columns = [table[0].index(n) for n in case.names]
