@@ -27,6 +27,7 @@ Rates = Callable[[Array, Array], Array]
 #: relative rounding of the arithmetic: 1.1e-19 where long double has 64 bits, otherwise a double's
 NOISE = float(np.finfo(Number).eps)
 _TOLERANCE = 30 * NOISE
+_ROUNDING = 1e5 * NOISE
 _SWEEPS = 60
 _SHORTEST = 1e-13  # of a step, relative to the span
 
@@ -40,16 +41,11 @@ def _tables(s: int) -> tuple[Array, Array, Array, Array]:
     with mpmath.workdps(40):
         points = [mpmath.mpf(float(x)) for x in np.polynomial.legendre.leggauss(s)[0]]
         for _ in range(3):  # Newton's method, from 16 digits to 40 and more
-            points = [
-                x - mpmath.legendre(s, x) * (1 - x * x) / (s * (mpmath.legendre(s - 1, x) - x * mpmath.legendre(s, x)))
-                for x in points
-            ]
-        weights = [
-            2 * (1 - x * x) / ((s + 1) * mpmath.legendre(s + 1, x)) ** 2 for x in points
-        ]
+            points = [x - _newton(mpmath, s, x) for x in points]
+        weights = [2 * (1 - x * x) / ((s + 1) * mpmath.legendre(s + 1, x)) ** 2 for x in points]
+        pairs = list(zip(points, weights, strict=True))
         to_legendre = [
-            [(2 * j + 1) * w / 2 * mpmath.legendre(j, x) for x, w in zip(points, weights, strict=True)]
-            for j in range(s)
+            [(2 * j + 1) * w / 2 * mpmath.legendre(j, x) for x, w in pairs] for j in range(s)
         ]
         integral = [[_integral(mpmath, j, x) for j in range(s)] for x in points]
         nodes = [(x + 1) / 2 for x in points]
@@ -57,6 +53,12 @@ def _tables(s: int) -> tuple[Array, Array, Array, Array]:
         arrays = [np.array(text(np.array(a, dtype=object)), dtype=str).astype(Number)
                   for a in (nodes, to_legendre, integral)]  # fmt: skip
     return arrays[0], arrays[1], arrays[2], arrays[2] @ arrays[1]
+
+
+def _newton(mp: Any, s: int, x: Any) -> Any:
+    """The s-th Legendre polynomial at x over its derivative."""
+    value = mp.legendre(s, x)
+    return value * (1 - x * x) / (s * (mp.legendre(s - 1, x) - x * value))
 
 
 def _integral(mp: Any, j: int, x: Any) -> Any:
@@ -104,7 +106,7 @@ class Trajectory:
             return None
         last = self._coefficients[-1]
         table = _integrals(last.shape[1], share + 1)
-        return np.tensordot(table, last, (1, 1)).transpose(1, 0, 2) - last[:, :1]
+        return _apply(table, last) - last[:, :1]
 
     def states(self, times: Sequence[float] | Array) -> Array:
         """States at the times, shape (n, len(times), members); times within the solution."""
@@ -123,7 +125,7 @@ class Trajectory:
             i = int(index[group[0]])
             share = (wanted[group] - Number(starts[i])) / self._sizes[i]
             table = _integrals(self._coefficients[i].shape[1], share)
-            part = np.tensordot(table, self._coefficients[i], (1, 1)).transpose(1, 0, 2)
+            part = _apply(table, self._coefficients[i])
             result[:, group] = self._states[i][:, None] + self._sizes[i] * part
         at_end = np.flatnonzero(np.asarray(times, float) >= self.end)
         result[:, at_end] = self.final[:, None]
@@ -131,10 +133,18 @@ class Trajectory:
 
 
 def collocate(
-    rates: Rates, begin: float, end: float, trajectory: Trajectory, *, nodes: int, size: float
+    rates: Rates,
+    begin: float,
+    end: float,
+    trajectory: Trajectory,
+    *,
+    nodes: int,
+    size: float,
+    dense: float = _TOLERANCE,
 ) -> float:
     """Continue `trajectory` from `begin` to `end` (s) with steps near `size`; the next size.
 
+    dense: relative error allowed between the ends of a step; at the ends it is of twice the order.
     The solution is smooth in between but for kinks, at which the steps become short. Raises
     CurveboundError where they become too short.
     """
@@ -156,10 +166,10 @@ def collocate(
                     "is singular there, or an input is not a function of bounded variation."
                 )
             continue
-        coefficients = np.tensordot(to_legendre, done, (1, 1)).transpose(1, 0, 2)
+        coefficients = _apply(to_legendre, done)
         scale = _scale(state, done, h)
         tail = np.abs(coefficients[:, -2:]).max(axis=1) * h / scale
-        error = float(tail.max()) / _TOLERANCE
+        error = float(tail.max()) / dense
         if error > 10.0 and h > _SHORTEST * span:
             h = h * min(0.7, max(0.2, 0.9 * (10.0 / error) ** (1.0 / nodes)))
             continue
@@ -173,7 +183,14 @@ def collocate(
 
 
 def _scale(state: Array, rate: Array, h: Any) -> Array:
-    return np.maximum(np.abs(state), np.abs(h * rate).max(axis=1)) + Number(1e-3)
+    scale: Array = np.maximum(np.abs(state), np.abs(h * rate).max(axis=1)) + Number(1e-3)
+    return scale
+
+
+def _apply(matrix: Array, values: Array) -> Array:
+    """The matrix (k, s) applied to the middle axis of values (n, s, members)."""
+    result: Array = np.tensordot(matrix, values, (1, 1)).transpose(1, 0, 2)
+    return result
 
 
 def _step(
@@ -192,11 +209,14 @@ def _step(
         values = base + trajectory._sizes[-1] * guess
     best = np.inf
     stalled = 0
+    scale: Any = None
     for _ in range(_SWEEPS):
         with np.errstate(all="ignore"):
             rate = rates(times, values)
-            improved = base + h * np.tensordot(matrix, rate, (1, 1)).transpose(1, 0, 2)
-            change = np.abs(improved - values).max(axis=1) / _scale(state, rate, h)
+            improved = base + h * _apply(matrix, rate)
+            if scale is None:
+                scale = _scale(state, rate, h)
+            change = np.abs(improved - values).max(axis=1) / scale
         values = improved
         size = float(change.max())
         if not size < 1e6:
@@ -206,6 +226,6 @@ def _step(
         # near the rounding the change no longer falls
         stalled = stalled + 1 if size > 0.7 * best else 0
         if stalled >= 3:
-            return rate if size < _TOLERANCE else None
+            return rate if size < _ROUNDING else None
         best = min(best, size)
     return None

@@ -7,6 +7,8 @@ smoothing step).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..errors import CurveboundError
@@ -18,6 +20,7 @@ __all__ = ["extrapolate"]
 Number = np.longdouble
 _COLUMNS = 13
 _TOLERANCE = 30 * NOISE
+_ROUNDING = 1e6 * NOISE
 _SHORTEST = 1e-13
 
 
@@ -50,12 +53,12 @@ def extrapolate(
     return state[:, None] if single else state, float(h)
 
 
-def _step(rates: Rates, time: Number, h: Number, state: Array) -> tuple[Array | None, int]:
+def _step(rates: Rates, time: Any, h: Any, state: Array) -> tuple[Array | None, int]:
     """One step, and the columns that it took; None if they do not suffice."""
     first = rates(time, state)
     scale = np.maximum(np.abs(state), np.abs(h * first)) + Number(1e-3)
     row: list[Array] = []
-    before = np.inf
+    best, found = np.inf, state
     for k in range(1, _COLUMNS + 1):
         new = [_midpoint(rates, time, h, state, first, 2 * k)]
         for j in range(1, k):
@@ -65,22 +68,23 @@ def _step(rates: Rates, time: Number, h: Number, state: Array) -> tuple[Array | 
             error = float((np.abs(new[-1] - row[-1]) / scale).max())
             if error < _TOLERANCE:
                 return new[-1], k
-            # the extrapolation has reached what the rounding of its columns allows
-            if before < 10 * _TOLERANCE and error > 0.3 * before:
-                return new[-2], k
+            # rounding, amplified by the extrapolation: what was best is as good as it gets
+            if best < _ROUNDING and error > best:
+                return found, k
             if not error < 1e9:
                 return None, k
-            before = error
+            best, found = error, new[-1]
         row = new
     return None, _COLUMNS
 
 
 def _midpoint(
-    rates: Rates, time: Number, h: Number, state: Array, first: Array, count: int
+    rates: Rates, time: Any, h: Any, state: Array, first: Array, count: int
 ) -> Array:
     """`count` steps of the midpoint rule over h."""
     part = h / count
     before, now = state, state + part * first
     for i in range(1, count):
         before, now = now, before + 2 * part * rates(time + i * part, now)
-    return now
+    result: Array = now
+    return result

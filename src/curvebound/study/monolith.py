@@ -122,10 +122,7 @@ class Monolith:
         if self.continuous:
             return own
         step = self.system.scene.step
-        if own <= step:
-            share = step / own if own > 0.0 else 1.0
-        else:
-            share = own / step
+        share = own / step if own > step else step / (own or step)
         if abs(share - round(share)) > 1e-9 * share:
             raise CurveboundError(
                 f"There is no reference for component {part.name}: its sample.period, {own} s, and "
@@ -149,7 +146,7 @@ class Monolith:
         source = part.sources[name]
         if source is None:
             return self._constants[(part.name, name)]
-        held = self.held.get(source)
+        held: Array | None = self.held.get(source)
         if source == (part.name, name):  # a signal
             return held if held is not None else self._signal(source, time)
         if held is None:
@@ -159,14 +156,15 @@ class Monolith:
                 source[1]
             ]
         link = self.links[(part.name, name)]
-        if link.factor == 1.0 and link.offset == 0.0:
-            return held
-        return Number(link.factor) * held + Number(link.offset)
+        if link.factor != 1.0 or link.offset != 0.0:
+            held = np.asarray(held) * Number(link.factor) + Number(link.offset)
+        return held
 
     def _signal(self, port: Port, time: Array) -> Array:
         function = self.system.signals[port]
         values = np.array([function(float(t)) for t in np.ravel(time)], dtype=np.float64)
-        return values.astype(Number).reshape(np.shape(time))[()]
+        shaped: Array = values.astype(Number).reshape(np.shape(time))[()]
+        return shaped
 
     def _common(self, part: _Part, state: Array) -> Sequence[Array]:
         own = list(state[part.place])

@@ -2,7 +2,8 @@
 
 The solution is computed twice, by two methods on two formulations, both in extended precision:
 Gauss collocation on the generalised coordinates gives the values, and the closed form where there
-is one, else the extrapolated midpoint rule on Cartesian coordinates with multipliers, the witness.
+is one, else the extrapolated midpoint rule on Cartesian coordinates with multipliers, the witness
+(for many starts at once, collocation of another order on those coordinates).
 Twice the largest difference between them up to a time is the uncertainty stated for that time.
 """
 
@@ -27,6 +28,7 @@ __all__ = ["Reference", "refer"]
 Number = np.longdouble
 _CHECKS = 100  # times at which the two computations are compared
 _FIRST = 1e-2  # s, first step tried
+_BETWEEN = 1e-15  # relative error of a sampled loop between its communication points
 
 
 class Reference:
@@ -97,45 +99,83 @@ def refer(
             progress(share)
 
     own = Monolith(system, changes, continuous=continuous)
-    trajectory = Trajectory(begin, own.start())
-    own.sample(begin, trajectory.final)
-    size = _FIRST
-    before = begin
-    nodes = 10 if own.is_sampled else 14
-    for event in own.events(end):
-        size = collocate(own.rates, before, event, trajectory, nodes=nodes, size=size)
-        own.sample(event, trajectory.final)
-        before = event
-        tell(0.5 * (event - begin) / (end - begin))
-    checks, exact = _closed_form(system, own, changes, continuous, begin, end)
+    nodes = 9 if own.is_sampled else 14
+    trajectory, checks, _ = _collocated(own, begin, end, nodes, lambda x: tell(0.5 * x))
+    exact_at, exact = _closed_form(system, own, changes, continuous, begin, end)
     if exact is not None:
         plain = Monolith(system, changes, continuous=continuous)
+        witness = plain.observe(paths, np.array(exact_at), exact)
         how = "collocation; " + _closed_form_name(system)
-        return Reference(own, trajectory, paths, checks, plain.observe(paths, checks, exact), how)
+        return Reference(own, trajectory, paths, exact_at, witness, how)
     other = Monolith(system, changes, continuous=continuous, witness=True)
-    state = other.start()
-    other.sample(begin, state)
-    events = list(other.events(end))
-    spacing = (end - begin) / _CHECKS
-    if own.is_sampled:
-        events = _thinned(events, begin, spacing)
+    if other.members > 1:
+        # the midpoint rule gains nothing from many members at once, collocation does
+        _, _, states = _collocated(
+            other, begin, end, nodes + 3, lambda x: tell(0.5 + 0.5 * x), checks
+        )
+        how = "collocation; collocation of another order"
     else:
-        events = sorted({*events, *(begin + i * spacing for i in range(1, _CHECKS)), end})
-    checks = [begin]
+        states = _extrapolated(other, begin, end, checks, lambda x: tell(0.5 + 0.5 * x))
+        how = "collocation; extrapolated midpoint rule"
+    witness = other.observe(paths, np.array(checks), states)
+    how += " on Cartesian coordinates with multipliers"
+    return Reference(own, trajectory, paths, checks, witness, how)
+
+
+def _collocated(
+    monolith: Monolith,
+    begin: float,
+    end: float,
+    nodes: int,
+    tell: Callable[[float], None],
+    checks: Sequence[float] | None = None,
+) -> tuple[Trajectory, list[float], Array]:
+    """The solution by collocation; times at which to compare it, and states there."""
+    trajectory = Trajectory(begin, monolith.start())
+    monolith.sample(begin, trajectory.final)
+    size, before = _FIRST, begin
+    # results of a sampled loop are wanted where its steps end
+    dense = max(_BETWEEN, 100.0 * NOISE) if monolith.is_sampled else 30.0 * NOISE
+    events = list(monolith.events(end))
+    for event in events:
+        size = collocate(
+            monolith.rates, before, event, trajectory, nodes=nodes, size=size, dense=dense
+        )
+        monolith.sample(event, trajectory.final)
+        before = event
+        tell((event - begin) / (end - begin))
+    if checks is None:
+        spacing = (end - begin) / _CHECKS
+        if monolith.is_sampled:
+            checks = [begin, *_thinned(events, begin, spacing)]
+        else:
+            between = (begin + i * spacing for i in range(1, _CHECKS))
+            checks = [begin, *sorted({*events, *between, end})]
+    return trajectory, list(checks), trajectory.states(checks)
+
+
+def _extrapolated(
+    monolith: Monolith,
+    begin: float,
+    end: float,
+    checks: Sequence[float],
+    tell: Callable[[float], None],
+) -> Array:
+    """States at the check times by the extrapolated midpoint rule."""
+    state = monolith.start()
+    monolith.sample(begin, state)
     states = [state]
     size, before = _FIRST, begin
-    wanted = set(events)
-    for event in other.events(end) if own.is_sampled else events:
-        state, size = extrapolate(other.rates, before, event, state, size=size)
-        other.sample(event, state)
+    wanted = set(checks)
+    events = monolith.events(end)
+    for event in events if monolith.is_sampled else checks[1:]:
+        state, size = extrapolate(monolith.rates, before, event, state, size=size)
+        monolith.sample(event, state)
         before = event
         if event in wanted:
-            checks.append(event)
             states.append(state)
-        tell(0.5 + 0.5 * (event - begin) / (end - begin))
-    witness = other.observe(paths, np.array(checks), np.stack(states, axis=1))
-    how = "collocation; extrapolated midpoint rule on Cartesian coordinates with multipliers"
-    return Reference(own, trajectory, paths, checks, witness, how)
+        tell((event - begin) / (end - begin))
+    return np.stack(states, axis=1)
 
 
 def _thinned(events: Sequence[float], begin: float, spacing: float) -> list[float]:

@@ -1,8 +1,8 @@
 """The systems once more, as textbooks write them: what the FMUs' results are judged against.
 
-One module per FMU, named like its file in fmus/, each with its `SYSTEM`. Nothing here is shared with
-curvebound.models: the same physics is written down twice more, in generalised coordinates with the
-mass matrix and in Cartesian coordinates with multipliers, so that an error in one does not hide.
+One module per FMU, named like its file in fmus/, each with its `SYSTEM`. Nothing here is shared
+with curvebound.models: the same physics is written down twice more, in generalised coordinates with
+the mass matrix and in Cartesian coordinates with multipliers, so that no error in one can hide.
 """
 
 from __future__ import annotations

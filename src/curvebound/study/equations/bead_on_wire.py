@@ -130,9 +130,8 @@ def elliptic(equations: Equations, inputs: Inputs, times: Sequence[float]) -> Ar
             if solution is None:
                 return None
             for i, (a, b) in enumerate(solution):
-                states[0, i, j], states[1, i, j] = Number(mpmath.nstr(a, 25)), Number(
-                    mpmath.nstr(b, 25)
-                )
+                states[0, i, j] = Number(mpmath.nstr(a, 25))
+                states[1, i, j] = Number(mpmath.nstr(b, 25))
     t = np.array(times, dtype=Number)[:, None]
     ax, ay = inputs["wire.ax"], inputs["wire.ay"]
     states[2], states[3] = ax * t * t / 2, ay * t * t / 2

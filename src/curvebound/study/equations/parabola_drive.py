@@ -65,7 +65,8 @@ class Law(Equations):
                 cycles = cycles + last * (elapsed - sweeping)
             value = size * np.sin(_TURN * cycles + p["waveform.phase"])
         # a communication point may miss the start by rounding
-        return np.where(elapsed < -1e-12 * np.abs(begin), Number(0), value)
+        wave: Array = np.where(elapsed < -1e-12 * np.abs(begin), Number(0), value)
+        return wave
 
     def outputs(
         self, names: Sequence[str], time: Array, state: Sequence[Array], inputs: Inputs

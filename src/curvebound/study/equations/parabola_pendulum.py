@@ -1,6 +1,6 @@
 """The pendulum on the parabola: Lagrange's equations, and Newton's with two multipliers.
 
-Generalised coordinates (u, th). With q = 2 a u and M = m1 + m2, the kinetic and potential energy are
+Generalised coordinates (u, th). With q = 2 a u and M = m1 + m2, the energies are
 T = M/2 (1 + q^2) u'^2 + m2/2 r^2 th'^2 + m2 r u' th' (cos th + q sin th) and
 V = M g a u^2 - m2 g r cos th; the moving, changing parabola adds the terms in its accelerations.
 The linear fidelity keeps the quadratic part of T - V.
@@ -231,7 +231,10 @@ class Newton(Witness):
 
 
 def propagator(equations: Equations, inputs: Inputs, times: Sequence[float]) -> Array | None:
-    """Matrix exponential (30 digits) of the linear model with a constant coefficient."""
+    """Matrix exponential (30 digits) of the linear model with a constant coefficient.
+
+    times: evenly spaced, the first one spacing after 0.
+    """
     import mpmath
 
     assert isinstance(equations, Lagrange)
@@ -260,18 +263,18 @@ def propagator(equations: Equations, inputs: Inputs, times: Sequence[float]) -> 
                     matrix[row, i] = _mpf(mpmath, of[i + 1, j]) - constant
             z = [_mpf(mpmath, np.broadcast_to(x, (members,))[j]) for x in start[:4]]
             now = mpmath.matrix([*z, 1])
-            before, jump, step = 0.0, mpmath.eye(5), 0.0
+            step = mpmath.mpf(times[-1]) / len(times)
+            jump = mpmath.expm(matrix * step)
             for i, t in enumerate(times):
-                if t - before != step:
-                    step = t - before
-                    jump = mpmath.expm(matrix * (mpmath.mpf(t) - mpmath.mpf(before)))
-                now, before = jump * now, t
+                now = jump * now
+                # the times are even but for their rounding
+                there = now + matrix * now * (mpmath.mpf(t) - (i + 1) * step)
                 for row in range(4):
-                    states[row, i, j] = Number(mpmath.nstr(now[row], 25))
-    t = np.array(times, dtype=Number)[:, None]
+                    states[row, i, j] = Number(mpmath.nstr(there[row], 25))
+    at = np.array(times, dtype=Number)[:, None]
     ax, ay = inputs["parabola.ax"], inputs["parabola.ay"]
-    states[4], states[5] = ax * t * t / 2, ay * t * t / 2
-    states[6], states[7] = ax * t, ay * t
+    states[4], states[5] = ax * at * at / 2, ay * at * at / 2
+    states[6], states[7] = ax * at, ay * at
     states[8] = a
     return states
 

@@ -1,0 +1,160 @@
+"""Running a scene at any setting, through its FMUs, and what the run is worth."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..cosim import RunFailed
+from ..cosim.prepared import Prepared, communication_points
+
+if TYPE_CHECKING:
+    from ..cosim.fmu import Value
+    from ..cosim.scene import Scene
+    from .settings import Setting, Space
+
+__all__ = ["Outcome", "Runner"]
+
+_KEPT = 2000  # communication points that a run is judged by, at most
+_ENOUGH = 0.03  # s of CPU time after which a cost is known well enough
+_MEASURES = ("energy.residual", "constraint.drift", "model.acceleration_error")
+_COUNTS = ("solver.steps", "solver.evaluations")
+
+
+@dataclass
+class Outcome:
+    """A run at a setting.
+
+    times: s; outputs by path; measures: largest absolute value of each live measure over all
+        components that have it; counts: sums over components at the end.
+    failure: why the run ended early, or empty.
+    """
+
+    times: NDArray[Any]
+    outputs: dict[str, NDArray[Any]]
+    measures: dict[str, float] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+    failure: str = ""
+    cpu: float = 0.0
+
+
+class Runner:
+    """The FMUs of a scene, loaded once for any number of settings. Use as a context manager."""
+
+    def __init__(self, scene: Scene, space: Space, paths: Sequence[str]) -> None:
+        self.scene = scene.copy()
+        self.scene.tolerance = None  # it would override solver.tolerance
+        self.scene.adaptive = None
+        self.scene.variants = {}
+        self.space = space
+        self.paths = list(paths)
+        self.span = scene.stop_time - scene.start_time
+        nodes = space.system.nodes
+        self._extras = [
+            f"{name}.{variable}"
+            for variable in (*_MEASURES, *_COUNTS)
+            for name, node in nodes.items()
+            if variable in node.fmu.variables
+        ]
+        self._prepared: dict[tuple[str, bool], Prepared] = {}
+        self._overhead: dict[str, float] = {}
+
+    def __enter__(self) -> Runner:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        for prepared in self._prepared.values():
+            with suppress(Exception):
+                prepared.close()
+        self._prepared.clear()
+
+    def _ready(self, algorithm: str, measured: bool) -> Prepared:
+        """measured: with the live measures recorded; without, as a user would run it."""
+        key = (algorithm, measured)
+        if key not in self._prepared:
+            scene = self.scene.copy()
+            scene.algorithm = algorithm
+            scene.recorded = [*self.paths, *(self._extras if measured else [])]
+            scene.needs.errors = {}
+            self._prepared[key] = Prepared(scene)
+        return self._prepared[key]
+
+    def run(self, setting: Setting, start: Mapping[str, Value] | None = None) -> Outcome:
+        """Run once, with all measures; `start` on top of the scene's start values."""
+        return self._run(setting, start, measured=True)
+
+    def glance(self, setting: Setting, start: Mapping[str, Value] | None = None) -> Outcome:
+        """Run once, with the outputs only."""
+        return self._run(setting, start, measured=False)
+
+    def _run(
+        self, setting: Setting, start: Mapping[str, Value] | None, *, measured: bool
+    ) -> Outcome:
+        prepared = self._ready(setting.algorithm, measured)
+        values = {**(start or {}), **self.space.start(setting)}
+        points = communication_points(0.0, self.span, setting.step)[0]
+        prepared.scene.record_every = max(1, math.ceil(points / _KEPT))
+        began = clock.process_time()
+        failure = ""
+        try:
+            result = prepared.run(values, step=setting.step)
+        except RunFailed as error:
+            result, failure = error.result, str(error)
+        spent = clock.process_time() - began
+        outcome = Outcome(
+            result.time,
+            {path: np.asarray(result[path], dtype=float) for path in self.paths},
+            failure=failure,
+            cpu=spent / self.span,
+        )
+        if measured and len(result.data):
+            for name in _MEASURES:
+                found = [np.abs(result[p]).max() for p in self._extras if p.endswith("." + name)]
+                if found:
+                    outcome.measures[name] = float(max(found))
+            for name in _COUNTS:
+                counted = [int(result[p][-1]) for p in self._extras if p.endswith("." + name)]
+                outcome.counts[name] = sum(counted)
+        return outcome
+
+    def cost(self, setting: Setting, start: Mapping[str, Value] | None = None) -> float:
+        """CPU time per simulated second, set-up excluded: the least of some runs."""
+        prepared = self._ready(setting.algorithm, False)
+        values = {**(start or {}), **self.space.start(setting)}
+        prepared.scene.record_every = 1
+        if setting.algorithm not in self._overhead:
+            tiny = 1e-9 * self.span
+            stop = self.scene.start_time + tiny
+            self._overhead[setting.algorithm] = min(
+                self._timed(prepared, values, tiny, stop) for _ in range(3)
+            )
+        begin = self.scene.stop_time
+        total, best, runs = 0.0, math.inf, 0
+        while runs < 2 or (total < _ENOUGH and runs < 12):
+            spent = self._timed(prepared, values, setting.step, begin)
+            total, best, runs = total + spent, min(best, spent), runs + 1
+            if spent > 0.5:
+                break
+        return max(best - self._overhead[setting.algorithm], 1e-7) / self.span
+
+    @staticmethod
+    def _timed(prepared: Prepared, values: dict[str, Value], step: float, stop: float) -> float:
+        began = clock.process_time()
+        try:
+            prepared.run(values, step=step, stop_time=stop)
+        except RunFailed:
+            return math.inf
+        return clock.process_time() - began

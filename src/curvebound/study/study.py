@@ -1,0 +1,253 @@
+"""A study: every setting of the grid run, judged, timed, and kept as soon as it is known."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .. import __version__
+from .grid import Family, grid, is_sampled
+from .runner import Outcome, Runner
+from .settings import Setting, Space, space_of
+from .truth import Truths
+
+if TYPE_CHECKING:
+    from ..cosim.scene import Scene
+    from ..cosim.system import System
+
+__all__ = ["Row", "Study", "identity", "study_outputs"]
+
+Row = dict[str, Any]
+#: told (settings done, settings in all, label of the present one)
+Progress = Callable[[int, int, str], None]
+
+_FLOOR = 3e-15  # errors below this are rounding: finer settings cannot show more
+
+
+def study_outputs(scene: Scene, system: System) -> list[str]:
+    """The outputs that a scene is judged by: those it needs, else what stands for its motion."""
+    from .equations import system_of
+
+    needed = list(scene.needs.errors)
+    if needed:
+        return needed
+    return [
+        f"{name}.{output}"
+        for name, node in system.nodes.items()
+        for output in system_of(node.fmu.model_name).main
+    ]
+
+
+def identity(system: System, **settings: Any) -> str:
+    """A word that changes with anything the results depend on: FMUs, scene, what was asked."""
+    scene = system.scene
+    described = {
+        "version": __version__,
+        "nodes": {
+            name: [node.fmu.guid, sorted(node.start.items())] for name, node in system.nodes.items()
+        },
+        "links": [str(link) for link in system.links],
+        "signals": {
+            ".".join(port): [
+                function(scene.start_time + i * (scene.stop_time - scene.start_time) / 97)
+                for i in range(98)
+            ]
+            for port, function in system.signals.items()
+        },
+        "scene": [scene.start_time, scene.stop_time, scene.step, scene.algorithm],
+        **settings,
+    }
+    text = json.dumps(described, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+@dataclass
+class Study:
+    """The rows of one scene. `references` says how each model was solved, and how surely."""
+
+    scene: Scene
+    system: System
+    space: Space
+    paths: list[str]
+    quick: bool
+    limit: float
+    rows: list[Row] = field(default_factory=list)
+    references: list[Row] = field(default_factory=list)
+    complete: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        *,
+        quick: bool = False,
+        limit: float = 2.0,
+        outputs: Sequence[str] | None = None,
+    ) -> Study:
+        """A study that has not begun.
+
+        quick: a thinner grid; limit: CPU seconds that one run may take; outputs: paths to judge
+        instead of those that the scene needs.
+        """
+        system = scene.check()
+        space = space_of(system)
+        paths = list(outputs) if outputs else study_outputs(scene, system)
+        return cls(scene, system, space, paths, quick, limit)
+
+    def run(self, journal: Path | None = None, progress: Progress | None = None) -> None:
+        """Run what is not yet in the journal; KeyboardInterrupt leaves what is done in `rows`."""
+        known = self._open(journal)
+        families = list(grid(self.scene, self.space, quick=self.quick))
+        count = sum(len(family.settings) for family in families)
+        truths = Truths(self.system, self.space, self.paths)
+        sampled = is_sampled(self.scene, self.space)
+        continuous = (
+            Truths(self.system, self.space, self.paths, continuous=True) if sampled else None
+        )
+        if progress is not None:
+            progress(0, count, "references")
+        self.references = [_described(truths, self.space.truth, "scene")]
+        done = 0
+        with Runner(self.scene, self.space, self.paths) as runner:
+            for family in families:
+                done_before = done
+                before: Row | None = None
+                for setting in family.settings:
+                    if progress is not None:
+                        progress(done, count, setting.label)
+                    key = f"{family.purpose}|{setting.key}"
+                    row = known.get(key)
+                    if row is None:
+                        if before is not None and self._hopeless(family, setting, before):
+                            break
+                        row = self._row(family, setting, runner, truths, continuous)
+                        row["key"] = key
+                        _append(journal, row)
+                    self.rows.append(row)
+                    before = row
+                    done += 1
+                done = done_before + len(family.settings)
+        for structure, simpler in zip(
+            self.space.structures, self.space.approximate, strict=True
+        ):
+            if simpler:
+                model = self.space.model(Setting(structure, "", None, 1.0, ""))
+                self.references.append(_described(truths, model, "simpler model"))
+        if continuous is not None:
+            self.references.append(_described(continuous, self.space.truth, "continuous"))
+        self.complete = True
+        if progress is not None:
+            progress(count, count, "done")
+
+    # one row
+
+    def _hopeless(self, family: Family, setting: Setting, before: Row) -> bool:
+        """Whether a finer setting would cost too much, or show nothing new."""
+        if family.purpose == "micro" and 0.0 <= before["numerical"] < _FLOOR:
+            return True
+        ratio = 1.0
+        if setting.size and before["size"] and not setting.by_tolerance:
+            ratio = before["size"] / setting.size
+        ratio = max(ratio, before["macro_step"] / setting.step)
+        span = self.scene.stop_time - self.scene.start_time
+        return bool(before["cpu"] * ratio * span > self.limit)
+
+    def _row(
+        self,
+        family: Family,
+        setting: Setting,
+        runner: Runner,
+        truths: Truths,
+        continuous: Truths | None,
+    ) -> Row:
+        outcome = runner.run(setting)
+        row: Row = {
+            "purpose": family.purpose,
+            "form": setting.form,
+            "method": setting.method,
+            "size_is": None if setting.size is None else (
+                "tolerance" if setting.by_tolerance else "step"
+            ),
+            "size": setting.size,
+            "macro_step": setting.step,
+            "algorithm": setting.algorithm,
+            "cpu": outcome.cpu,
+            "steps": outcome.counts.get("solver.steps", 0),
+            "evaluations": outcome.counts.get("solver.evaluations", 0),
+            "energy_residual": outcome.measures.get("energy.residual"),
+            "drift": outcome.measures.get("constraint.drift"),
+            "acceleration_error": outcome.measures.get("model.acceleration_error"),
+            "failure": outcome.failure,
+        }  # fmt: skip
+        if outcome.failure or len(outcome.times) < 2:
+            row |= {"error": math.inf, "numerical": math.inf, "judged": False, "judged_until": None}
+            row["failure"] = outcome.failure or "nothing was recorded"
+            return row
+        row["cpu"] = runner.cost(setting)
+        row |= self._errors(setting, outcome, truths)
+        if continuous is not None and family.purpose == "macro":
+            verdicts = continuous.errors(outcome.times, outcome.outputs)
+            row["from_continuous"] = max(v.worst for v in verdicts.values())
+        return row
+
+    def _errors(self, setting: Setting, outcome: Outcome, truths: Truths) -> Row:
+        """Errors of each output: total, numerical and of the model."""
+        times = outcome.times
+        total = truths.errors(times, outcome.outputs)
+        own = total
+        row: Row = {}
+        if self.space.is_approximate(setting):
+            own = truths.errors(times, outcome.outputs, model=self.space.model(setting))
+            model = truths.modelling(setting, times)
+            row["modelling"] = max(v.worst for v in model.values())
+            row |= {f"modelling.worst.{path}": v.worst for path, v in model.items()}
+            row |= {f"modelling.final.{path}": v.final for path, v in model.items()}
+        else:
+            row["modelling"] = 0.0
+        for kind, verdicts in (("total", total), ("numerical", own)):
+            row |= {f"{kind}.worst.{path}": v.worst for path, v in verdicts.items()}
+            row |= {f"{kind}.final.{path}": v.final for path, v in verdicts.items()}
+        row["error"] = max(v.worst for v in total.values())
+        row["numerical"] = max(v.worst for v in own.values())
+        row["judged"] = all(v.judged for v in own.values())
+        row["judged_until"] = min(v.until for v in own.values())
+        return row
+
+    # resuming
+
+    def _open(self, journal: Path | None) -> dict[str, Row]:
+        """Rows of an interrupted study of the same thing; a journal of another one begins anew."""
+        if journal is None:
+            return {}
+        word = identity(self.system, quick=self.quick, paths=self.paths)
+        rows: dict[str, Row] = {}
+        with suppress(OSError, ValueError, KeyError):
+            lines = journal.read_text(encoding="utf-8").splitlines()
+            if json.loads(lines[0])["identity"] == word:
+                for line in lines[1:]:
+                    with suppress(ValueError):  # the last line of a process that was killed
+                        row = json.loads(line)
+                        rows[row["key"]] = row
+        if not rows:
+            journal.parent.mkdir(parents=True, exist_ok=True)
+            journal.write_text(json.dumps({"identity": word}) + "\n", encoding="utf-8")
+        return rows
+
+
+def _append(journal: Path | None, row: Row) -> None:
+    if journal is not None:
+        with journal.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(row) + "\n")
+
+
+def _described(truths: Truths, model: dict[str, str], what: str) -> Row:
+    reference = truths.of_model(model)
+    stop = truths.system.scene.stop_time
+    doubt = {path: float(reference.uncertainty(path, [stop])[0, 0]) for path in truths.paths}
+    return {"what": what, "model": model, "how": reference.how, "uncertainty": doubt}

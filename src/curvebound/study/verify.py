@@ -1,0 +1,194 @@
+"""Whether tuning keeps its promises: bounds met on starts it never saw, at nearly the least cost.
+
+For each scene and bound the choice is run from fresh starts within the range that it was tuned for,
+and its cost is set against the cheapest setting of the whole grid that meets the bound at the
+scene's own start and, like the choice, at 95 % of the fresh ones; both are timed in turn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..bench.timing import interleave, median
+from ..cosim import load_scene
+from .grid import Family, divisions, tolerances
+from .settings import Setting
+from .starts import unseen
+from .study import study_outputs
+from .truth import Truths
+from .tune import Choice, Tuner
+
+__all__ = ["BOUNDS", "Case", "verify_scene"]
+
+BOUNDS = (1e-2, 1e-4, 1e-6, 1e-9)
+_SHARE = 0.95
+_TIMED = 3  # of the grid's cheapest that are timed against the choice
+
+
+@dataclass
+class Case:
+    """One scene at one bound.
+
+    met: fresh starts at which the bound was met, of `fresh`; ratio: cost over that of the grid's
+    best, None where the grid has none; worst: largest error over its bound.
+    """
+
+    scene: str
+    bound: float
+    setting: str
+    met: int
+    fresh: int
+    worst: float
+    cpu: float
+    best: str
+    best_cpu: float | None
+    ratio: float | None
+    until: float
+    runs: int
+    advice: str = ""
+
+    def as_row(self) -> dict[str, Any]:
+        """As plain data."""
+        return dict(vars(self))
+
+
+def verify_scene(
+    name: str,
+    bounds: Iterable[float] = BOUNDS,
+    *,
+    fresh: int = 20,
+    quick: bool = False,
+    limit: float = 2.0,
+    progress: Callable[[str], None] | None = None,
+) -> list[Case]:
+    """The cases of one scene. quick: a thinner grid; limit: CPU seconds of one run."""
+    tell = progress or (lambda _: None)
+    scene = load_scene(name)
+    paths = study_outputs(scene, scene.check())
+    tuner = Tuner(scene, paths, limit=limit)
+    try:
+        starts = unseen(tuner.system, 0.2, fresh)
+        checks = Truths(tuner.system, tuner.space, paths, changes=starts)
+        tell(f"{name}: reference of {fresh} fresh starts")
+        _ = checks.reference
+        grid = _Grid(tuner, checks, starts, fresh, quick)
+        cases = []
+        for bound in bounds:
+            limits = dict.fromkeys(paths, bound)
+            tell(f"{name}: {bound:g}: tuning")
+            choice = tuner.tune(limits)
+            tell(f"{name}: {bound:g}: the grid")
+            cases.append(grid.case(name, bound, limits, choice))
+        return cases
+    finally:
+        tuner.close()
+
+
+class _Grid:
+    """All settings of the grid at the tuner's macro step, run once from the scene's own start."""
+
+    def __init__(
+        self, tuner: Tuner, checks: Truths, starts: dict[str, Any], fresh: int, quick: bool
+    ) -> None:
+        self.tuner = tuner
+        self.checks = checks
+        self.starts = starts
+        self.fresh = fresh
+        self.known: list[tuple[Setting, dict[str, float], float]] = []
+        for family in self._families(quick):
+            before: tuple[Setting, float] | None = None
+            for setting in family.settings:
+                if before is not None and self._expected(before, setting) > tuner.limit:
+                    break
+                outcome = tuner.runner.glance(setting)
+                before = (setting, outcome.cpu)
+                if outcome.failure or len(outcome.times) < 2:
+                    continue
+                verdicts = tuner.truths.errors(outcome.times, outcome.outputs, member=0)
+                errors = {path: v.worst for path, v in verdicts.items()}
+                self.known.append((setting, errors, outcome.cpu))
+        self._misses: dict[tuple[str, float], list[float]] = {}
+
+    def _families(self, quick: bool) -> list[Family]:
+        step, algorithm = self.tuner.step, self.tuner.scene.algorithm
+        families = []
+        for family in self.tuner.space.families(step, algorithm):
+            if family.method == "exact":
+                families.append(Family("micro", (family,)))
+                continue
+            sizes = tolerances(quick) if family.by_tolerance else []
+            sizes = sizes or [step / n for n in divisions(quick)]
+            families.append(Family("micro", tuple(family.with_size(s) for s in sizes)))
+        return families
+
+    def _expected(self, before: tuple[Setting, float], setting: Setting) -> float:
+        """CPU seconds that a run is expected to take."""
+        last, cpu = before
+        if setting.by_tolerance or not setting.size or not last.size:
+            return cpu * self.tuner.span
+        return cpu * self.tuner.span * last.size / setting.size
+
+    def misses(self, setting: Setting, limits: dict[str, float]) -> list[float]:
+        """Largest error over its bound at each fresh start."""
+        key = (setting.key, next(iter(limits.values())))
+        if key not in self._misses:
+            found = []
+            for member in range(self.fresh):
+                start = {path: float(values[member]) for path, values in self.starts.items()}
+                outcome = self.tuner.runner.glance(setting, start)
+                if outcome.failure or len(outcome.times) < 2:
+                    found.append(math.inf)
+                    continue
+                verdicts = self.checks.errors(
+                    outcome.times, outcome.outputs, member=member, least=limits
+                )
+                found.append(max(v.worst / limits[path] for path, v in verdicts.items()))
+            self._misses[key] = found
+        return self._misses[key]
+
+    def _cheapest(self, limits: dict[str, float], cpu: float) -> list[Setting]:
+        """The grid's cheapest settings that meet the bounds, by a first timing."""
+        good = [
+            (spent, setting)
+            for setting, errors, spent in self.known
+            if all(errors[path] <= bound for path, bound in limits.items())
+        ]
+        found: list[Setting] = []
+        for spent, setting in sorted(good, key=lambda pair: pair[0]):
+            if found and (len(found) >= _TIMED or spent > 1.5 * cpu):
+                break
+            met = sum(miss <= 1.0 for miss in self.misses(setting, limits))
+            if met >= _SHARE * self.fresh:
+                found.append(setting)
+        return found
+
+    def case(self, name: str, bound: float, limits: dict[str, float], choice: Choice) -> Case:
+        """Judge one choice."""
+        runner = self.tuner.runner
+        cpu = choice.chosen.cpu if choice.chosen else math.inf
+        rivals = self._cheapest(limits, cpu)
+        settings = [*([choice.chosen.setting] if choice.chosen else []), *rivals]
+        unique = list(dict.fromkeys(settings))
+        probes = {s.key: (lambda s=s: runner.cost(s)) for s in unique}
+        costs = {key: median(values) for key, values in interleave(probes, 5).items()}
+        best = min(rivals, key=lambda s: costs[s.key], default=None)
+        best_cpu = costs[best.key] if best else None
+        if choice.chosen is None:
+            return Case(
+                name, bound, "none", 0, 0, choice.best.miss, math.inf,
+                best.label if best else "none", best_cpu, None, choice.until, choice.runs,
+                choice.advice,
+            )  # fmt: skip
+        setting = choice.chosen.setting
+        misses = self.misses(setting, limits)
+        cpu = costs[setting.key]
+        return Case(
+            name, bound, setting.label, sum(m <= 1.0 for m in misses), self.fresh,
+            float(np.max(misses)), cpu, best.label if best else "none", best_cpu,
+            cpu / best_cpu if best_cpu else None, choice.until, choice.runs,
+        )  # fmt: skip
