@@ -135,6 +135,9 @@ R74: Final = 0.08153287287990951
 R75: Final = 0.03482008336251321
 R76: Final = 0.00675622322045605
 
+#: longest step, in units of the last, that is extrapolated to: rounding grows as the seventh power
+#: and passes for the scale of the motion, so that a wrong step is taken for a right one
+FARTHEST: Final = 16.0
 #: most sweeps, and the slowest convergence, at which a step is not better halved
 MOST_SWEEPS: Final = 12
 SLOWEST: Final = 0.5
@@ -216,7 +219,7 @@ class Collocation:
         # a coordinate that rests is left out until a sweep finds an acceleration of it
         two = q1 != 0.0 or v1 != 0.0 or b0 != 0.0
         b1 = b2 = b3 = b4 = b5 = b6 = b7 = 0.0
-        if self.h > 0.0:
+        if 0.0 < h <= FARTHEST * self.h:
             r = 2.0 * h / self.h
             a1, a2, a3, a4, a5, a6, a7 = extrapolated(
                 self.a0, self.a1, self.a2, self.a3, self.a4, self.a5, self.a6, self.a7, a0, r
