@@ -1,0 +1,91 @@
+"""Identities of the Lobatto method's constants and of the functions made of them."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from numpy.polynomial import legendre
+
+from curvebound.integrators import lobatto, polynomial
+
+NODES = np.array([0.0, *(getattr(polynomial, f"C{i}") for i in range(1, 7)), 1.0])
+
+
+def table(letter: str) -> np.ndarray:
+    rows = [[0.0] * 8]
+    rows += [[getattr(lobatto, f"{letter}{i}{j}", 0.0) for j in range(8)] for i in range(1, 8)]
+    return np.array(rows)
+
+
+A = table("A")
+R = table("R")
+B = A[7]
+
+
+def test_nodes_are_the_lobatto_points() -> None:
+    derivative = legendre.legder([0.0] * 7 + [1.0])
+    inner = (np.sort(legendre.legroots(derivative)) + 1) / 2
+    assert NODES[1:7] == pytest.approx(inner, abs=1e-14)
+
+
+def test_row_sums() -> None:
+    assert A.sum(axis=1) == pytest.approx(NODES, abs=2e-16)
+    assert R.sum(axis=1) == pytest.approx(NODES**2 / 2, abs=2e-16)
+
+
+@pytest.mark.parametrize("k", range(1, 9))
+def test_stages_collocate(k: int) -> None:
+    """C(8): sum_j A_ij c_j^(k-1) = c_i^k / k."""
+    assert A @ NODES ** (k - 1) == pytest.approx(NODES**k / k, abs=1e-15)
+
+
+@pytest.mark.parametrize("k", range(1, 15))
+def test_weights_have_order_14(k: int) -> None:
+    """B(14): sum_j b_j c_j^(k-1) = 1 / k."""
+    assert B @ NODES ** (k - 1) == pytest.approx(1 / k, abs=1e-15)
+
+
+def test_weights_have_no_higher_order() -> None:
+    assert abs(B @ NODES**14 - 1 / 15) > 1e-9
+
+
+@pytest.mark.parametrize("k", range(1, 7))
+def test_simplifying_condition_of_the_weights(k: int) -> None:
+    """D(6): sum_i b_i c_i^(k-1) A_ij = b_j (1 - c_j^k) / k."""
+    assert (B * NODES ** (k - 1)) @ A == pytest.approx(B * (1 - NODES**k) / k, abs=1e-15)
+
+
+def test_second_integrals_are_the_square() -> None:
+    assert pytest.approx(A @ A, abs=1e-16) == R
+
+
+def test_the_method_is_symmetric() -> None:
+    assert pytest.approx(B[::-1], abs=1e-16) == B
+    assert A + A[::-1, ::-1] == pytest.approx(np.tile(B, (8, 1)), abs=2e-16)
+
+
+def test_extrapolation_is_exact_for_degree_7() -> None:
+    rng = random.Random(1)
+    for ratio in (0.1, 0.7, 1.0, 1.5):
+        c = [rng.uniform(-1, 1) for _ in range(8)]
+        old = np.polyval(c, NODES)
+        new = polynomial.extrapolated(*old.tolist(), float(old[7]), 2 * ratio)
+        truth = np.polyval(c, 1 + ratio * NODES[1:])
+        assert np.array(new) == pytest.approx(truth, rel=1e-9)
+        shifted = polynomial.extrapolated(*old.tolist(), float(old[7]) + 3.0, 2 * ratio)
+        assert np.array(shifted) == pytest.approx(truth + 3, rel=1e-9)
+
+
+def test_tail_is_that_of_the_legendre_series() -> None:
+    for degree, weight in ((7, polynomial.HIGHEST), (6, polynomial.NEXT), (5, 0.0), (0, 0.0)):
+        values = legendre.legval(2 * NODES - 1, [0.0] * degree + [2.0])
+        assert polynomial.tail(*values.tolist()) == pytest.approx(4 * weight, rel=1e-12, abs=1e-25)
+
+
+def test_end_of_the_step() -> None:
+    k = np.polyval([1.0, 2.0, 3.0], NODES)
+    q, v = lobatto.end(0.5, -1.0, 0.2, *k.tolist())
+    assert v == pytest.approx(-1 + 0.2 * (1 / 3 + 2 / 2 + 3), abs=1e-15)
+    assert q == pytest.approx(0.5 - 0.2 + 0.04 * (1 / 12 + 2 / 6 + 3 / 2), abs=1e-15)
