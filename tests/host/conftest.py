@@ -152,7 +152,7 @@ Host = Callable[..., Answers]
 
 @pytest.fixture(scope="session")
 def host(host_program: Path) -> Host:
-    """Run commands in a fresh host process: host(commands, environment=..., program=..., check=True).
+    """Run commands in a fresh host process: host(commands, environment, program=..., check=True).
 
     Words of a command are separated by spaces, or by tabs where it has any.
     """
