@@ -48,6 +48,8 @@ else:
         forwarded = {forwarded!r}
 """
 
+_HERE = Path(__file__).resolve().parent
+
 #: the parts of PythonFMU that the slave's base class needs
 _PYTHONFMU = ("fmi2slave", "variables", "enums", "logmsg", "default_experiment", "_version")
 
@@ -114,7 +116,8 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
             how = f"kernel compiled for {sys.implementation.cache_tag}"
     forwarder = forwarding.compile_forwarder()
     package = sources.package(compiled=bool(extensions))
-    digest = hashlib.sha256(sources.digest.encode() + source).hexdigest()
+    described = b"".join((_HERE / f"{part}.py").read_bytes() for part in ("description", "units"))
+    digest = hashlib.sha256(sources.digest.encode() + source + described).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     suffix = digest[:12] + ("c" if extensions else "")
     declaration = f"{name}_declaration_{suffix}"
@@ -142,7 +145,10 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
         how += ", forwarding library for linux64"
     else:
         how += f", PythonFMU's binary ({forwarding.why_not()})"
-    out.mkdir(parents=True, exist_ok=True)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CurveboundError(f"the folder {out} cannot be made ({error}): choose another") from error
     path = out / f"{name}.fmu"
     _write(path, files)
     seconds = time.perf_counter() - began
