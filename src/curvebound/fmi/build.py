@@ -148,7 +148,9 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise CurveboundError(f"the folder {out} cannot be made ({error}): choose another") from error
+        raise CurveboundError(
+            f"the folder {out} cannot be made ({error}): choose another"
+        ) from error
     path = out / f"{name}.fmu"
     _write(path, files)
     seconds = time.perf_counter() - began
