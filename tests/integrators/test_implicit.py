@@ -106,7 +106,7 @@ def test_large_steps_are_halved_where_the_iteration_fails() -> None:
     model = Pendulum()
     method = create(5)
     march(method, model, 20.0, count=2)
-    assert 4 < method.steps < 500
+    assert 2 < method.steps < 500
     assert math.isfinite(model.q0)
 
 

@@ -15,18 +15,15 @@ from .lobatto import Collocation
 
 __all__ = ["Adaptive"]
 
-#: the error, of order 14, as a power of the squared size of the polynomial's tail, of order 8
-POWER: Final = 0.875
-LEAST_SIZE: Final = 1e-60
-#: alpha and beta over the order
-PRESENT: Final = 0.0714
+#: alpha and beta
+PRESENT: Final = 0.064
 LAST: Final = 0.0285
 SAFETY: Final = 0.82
 #: bounds of the ratio of one step size to the next
 MOST_GROWTH: Final = 1.5
 MOST_SHRINKING: Final = 0.2
-#: logarithm of the smallest error, in units of the tolerance, told apart from none
-LEAST_ERROR: Final = -18.0
+#: smallest error in units of the tolerance that is told apart from none
+LEAST_ERROR: Final = 1e-8
 #: error of a step in units of the tolerance, so that over many steps the sum keeps to the tolerance
 SHARE: Final = 0.1
 #: a relative tolerance below this is rounding
@@ -97,8 +94,6 @@ class Adaptive(Method):
         collocation = self.collocation
         settles = model.settles
         share = SHARE * max(tolerance, LEAST_TOLERANCE)
-        log_share = math.log(share)
-        bound = math.exp(log_share / POWER)
         least = duration * RESOLUTION
         a0, a1 = model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
         self.evaluations += 1
@@ -119,19 +114,19 @@ class Adaptive(Method):
             elif 2.0 * h > remaining:
                 h = 0.5 * remaining
             try:
-                size = collocation.step(model, t, h, a0, a1, share, bound)
+                error = collocation.step(model, t, h, a0, a1, share) / share
             except (ArithmeticError, ValueError):
                 # a stage left the model's domain or the finite numbers: far too large a step
-                size = math.inf
-            if size <= bound:
+                error = math.inf
+            if error <= 1.0:
                 self.steps += 1
                 if 2.0 * h >= wished:
                     # a step that the end of the communication step cut short says nothing
-                    error = max(POWER * math.log(max(size, LEAST_SIZE)) - log_share, LEAST_ERROR)
-                    wish = h * SAFETY * math.exp(LAST * self.log_error - PRESENT * error)
+                    log_error = math.log(max(error, LEAST_ERROR))
+                    wish = h * SAFETY * math.exp(LAST * self.log_error - PRESENT * log_error)
                     most = h if rejected else MOST_GROWTH * wished
                     self.wished = min(max(wish, MOST_SHRINKING * h), most)
-                    self.log_error = error
+                    self.log_error = log_error
                 rejected = False
                 if settles:
                     model.settle(h)
@@ -146,9 +141,8 @@ class Adaptive(Method):
                     a1 = collocation.b7
             else:
                 rejected = True
-                if size <= LARGEST:
-                    error = POWER * math.log(size) - log_share
-                    shrinking = max(SAFETY * math.exp(-PRESENT * error), MOST_SHRINKING)
+                if error <= LARGEST:
+                    shrinking = max(SAFETY * math.exp(-PRESENT * math.log(error)), MOST_SHRINKING)
                 else:
                     shrinking = 0.5
                 self.wished = h * shrinking

@@ -143,7 +143,7 @@ MOST_SWEEPS: Final = 12
 SLOWEST: Final = 0.5
 #: the convergence that is counted on at most, and that after one sweep, when it is the last step's
 FASTEST: Final = 0.003
-PRESUMED: Final = 0.05
+PRESUMED: Final = 0.1
 #: changes below this, relative, are rounding
 ROUNDING: Final = 5e-16
 #: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
@@ -206,14 +206,14 @@ class Collocation:
 
     # fmt: off
     def step(
-        self, model: Model, t: float, h: float, a0: float, b0: float, tolerance: float, bound: float
+        self, model: Model, t: float, h: float, a0: float, b0: float, tolerance: float
     ) -> float:
         """Try a step of h s from time t (s), where the acceleration is (a0, b0).
 
-        Returns the square of the size of the polynomial's tail, relative to the fastest rate of the
-        motion: up to `bound` the model's state and work have been advanced, else they are as
-        before. Infinite: the sweeps, which converge to `tolerance`, diverge. Lets the model's
-        ArithmeticError and ValueError pass.
+        Returns the estimated error relative to the fastest rate of the motion: up to `tolerance`
+        the model's state and work have been advanced, else they are as before. Infinite: the
+        sweeps, which converge to `tolerance` too, diverge. Lets the model's ArithmeticError and
+        ValueError pass.
         """
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         # a coordinate that rests is left out until a sweep finds an acceleration of it
@@ -244,7 +244,7 @@ class Collocation:
         scale1 = 1.0 / (rate * model.q1_scale)
         contraction = self.contraction
         change = 0.0
-        size = 0.0
+        error = 0.0
         work = 0.0
         closing = False
         hh = h * h
@@ -346,12 +346,12 @@ class Collocation:
                 if sweep != 1:
                     continue
             # known well enough after two sweeps to spare the further ones of too large a step
-            size = tail(a0, a1, a2, a3, a4, a5, a6, a7) * (scale0 * scale0)
+            error = tail(a0, a1, a2, a3, a4, a5, a6, a7) * scale0
             if two:
-                size += tail(b0, b1, b2, b3, b4, b5, b6, b7) * (scale1 * scale1)
-            size *= hh
-            if not size <= bound:
-                return size
+                error += tail(b0, b1, b2, b3, b4, b5, b6, b7) * scale1
+            error *= h
+            if not error <= tolerance:
+                return error
             if done:
                 if not model.works:
                     break
@@ -373,7 +373,7 @@ class Collocation:
         self.b4, self.b5, self.b6, self.b7 = b4, b5, b6, b7
         self.h = h
         self.contraction = contraction
-        return size
+        return error
 
 
 # fmt: off
