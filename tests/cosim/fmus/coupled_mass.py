@@ -60,3 +60,8 @@ class CoupledMass(Fmi2Slave):
         self.x = rest + c * x + s / omega * v
         self.v = c * v - omega * s * x
         return True
+
+
+# PythonFMU 0.7.0's wrapper executes this module anew for each instance and then releases a reference
+# to its namespace that it does not own: without another one the namespace is freed while in use.
+globals().setdefault("_held", []).append(globals())

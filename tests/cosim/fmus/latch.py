@@ -35,3 +35,8 @@ class Latch(Fmi2Slave):
 
     def do_step(self, current_time, step_size):
         return True
+
+
+# PythonFMU 0.7.0's wrapper executes this module anew for each instance and then releases a reference
+# to its namespace that it does not own: without another one the namespace is freed while in use.
+globals().setdefault("_held", []).append(globals())
