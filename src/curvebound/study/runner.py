@@ -7,6 +7,7 @@ import time as clock
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from statistics import median
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ __all__ = ["Outcome", "Runner"]
 
 _KEPT = 2000  # communication points that a run is judged by, at most
 _ENOUGH = 0.03  # s of CPU time after which a cost is known well enough
-_MEASURES = ("energy.residual", "constraint.drift", "model.acceleration_error")
+_MEASURES = ("energy.residual", "constraint.drift", "model.acceleration_error", "energy.kinetic")
 _COUNTS = ("solver.steps", "solver.evaluations")
 
 
@@ -65,7 +66,6 @@ class Runner:
             if variable in node.fmu.variables
         ]
         self._prepared: dict[tuple[str, bool], Prepared] = {}
-        self._overhead: dict[str, float] = {}
 
     def __enter__(self) -> Runner:
         return self
@@ -131,30 +131,59 @@ class Runner:
         return outcome
 
     def cost(self, setting: Setting, start: Mapping[str, Value] | None = None) -> float:
-        """CPU time per simulated second, set-up excluded: the least of some runs."""
+        """CPU time per simulated second, set-up excluded: the median of some runs."""
         prepared = self._ready(setting.algorithm, False)
         values = {**(start or {}), **self.space.start(setting)}
         prepared.scene.record_every = 1
-        if setting.algorithm not in self._overhead:
-            tiny = 1e-9 * self.span
-            stop = self.scene.start_time + tiny
-            self._overhead[setting.algorithm] = min(
-                self._timed(prepared, values, tiny, stop) for _ in range(3)
-            )
-        begin = self.scene.stop_time
-        total, best, runs = 0.0, math.inf, 0
-        while runs < 2 or (total < _ENOUGH and runs < 12):
-            spent = self._timed(prepared, values, setting.step, begin)
-            total, best, runs = total + spent, min(best, spent), runs + 1
-            if spent > 0.5:
+        tiny = 1e-9 * self.span
+        begin, end = self.scene.start_time, self.scene.stop_time
+        spent: list[float] = []
+        set_up: list[float] = []
+        while len(spent) < 3 or (sum(spent) < _ENOUGH and len(spent) < 15):
+            spent.append(self._timed(prepared, values, setting.step, end))
+            set_up.append(self._timed(prepared, values, tiny, begin + tiny))
+            if spent[0] > 0.3:
                 break
-        return max(best - self._overhead[setting.algorithm], 1e-7) / self.span
+        return max(median(spent) - median(set_up), 1e-7) / self.span
 
     @staticmethod
     def _timed(prepared: Prepared, values: dict[str, Value], step: float, stop: float) -> float:
+        """CPU seconds of a run, as if the machine had nothing else to do."""
+        before = _meter.read()
         began = clock.process_time()
         try:
             prepared.run(values, step=step, stop_time=stop)
         except RunFailed:
             return math.inf
-        return clock.process_time() - began
+        spent = clock.process_time() - began
+        return spent / _meter.slowness(before, _meter.read())
+
+
+class _Meter:
+    """The machine's present speed, by a fixed piece of work.
+
+    CPU time is not the same at all times: a core is shared with its sibling, its clock changes. A
+    piece of work of known length on either side of a run tells by how much.
+    """
+
+    def __init__(self) -> None:
+        self.best = math.inf
+        for _ in range(20):
+            self.read()
+
+    def read(self) -> float:
+        """CPU seconds of the piece of work, now."""
+        began = clock.process_time_ns()
+        total = 0
+        for i in range(15000):
+            total += i & 7
+        spent = (clock.process_time_ns() - began) * 1e-9
+        self.best = min(self.best, spent)
+        return spent
+
+    def slowness(self, before: float, after: float) -> float:
+        """How many times longer than at its best the machine takes."""
+        return 0.5 * (before + after) / self.best
+
+
+_meter = _Meter()

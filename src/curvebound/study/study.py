@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .. import __version__
 from .grid import Family, grid, is_sampled
 from .runner import Outcome, Runner
@@ -183,6 +185,7 @@ class Study:
             "energy_residual": outcome.measures.get("energy.residual"),
             "drift": outcome.measures.get("constraint.drift"),
             "acceleration_error": outcome.measures.get("model.acceleration_error"),
+            "kinetic": outcome.measures.get("energy.kinetic"),
             "failure": outcome.failure,
         }  # fmt: skip
         if outcome.failure or len(outcome.times) < 2:
@@ -213,6 +216,8 @@ class Study:
         for kind, verdicts in (("total", total), ("numerical", own)):
             row |= {f"{kind}.worst.{path}": v.worst for path, v in verdicts.items()}
             row |= {f"{kind}.final.{path}": v.final for path, v in verdicts.items()}
+        exact = truths.values(self.space.truth, times)
+        row["amplitude"] = max(float(np.ptp(exact[path][:, 0])) for path in self.paths)
         row["error"] = max(v.worst for v in total.values())
         row["numerical"] = max(v.worst for v in own.values())
         row["judged"] = all(v.judged for v in own.values())

@@ -304,7 +304,10 @@ class Tuner:
     ) -> list[Candidate]:
         """The cheapest families on the whole ensemble, until _ALL of them fit or none is left."""
         refined: list[Candidate] = []
-        for front in sorted(fronts, key=lambda c: c.cpu):
+        least = min((c.cpu for c in fronts), default=1.0)
+        # first timings are not sure within 30 %: among equals, the more accurate first
+        ranked = sorted(fronts, key=lambda c: (int(math.log(c.cpu / least, 1.3)), c.miss))
+        for front in ranked:
             fitting = [c for c in refined if c.fits]
             if len(fitting) >= _ALL or (fitting and front.cpu > 1.6 * fitting[0].cpu):
                 break
@@ -347,7 +350,7 @@ class Tuner:
             return Choice(None, best, None, until, 0, advice=self._advice(best, tried))
         least = min(c.cpu for c in timed)
         # nearly the same cost: then the more accurate
-        chosen = min((c for c in timed if c.cpu <= 1.15 * least), key=lambda c: c.miss)
+        chosen = min((c for c in timed if c.cpu <= 1.2 * least), key=lambda c: c.miss)
         return Choice(chosen, chosen, self._cheaper(chosen, tried, bounds), until, 0)
 
     def _cheaper(

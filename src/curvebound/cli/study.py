@@ -1,0 +1,137 @@
+"""Measure what every setting of a scene costs and gains: work and precision, as pages and tables.
+
+examples:
+  curvebound study bead_on_wire
+  curvebound study bead_on_wire pendulum_small --quick --out build/study
+  curvebound study all
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+NAME = "study"
+HELP = "measure error and cost of every setting of a scene"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument(
+        "scenes", metavar="SCENE", nargs="+", help="a .py or .ssp file, a scene's name, or all"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("build/study"),
+        metavar="DIR",
+        help="folder; each scene gets its own in it (default: build/study)",
+    )
+    parser.add_argument("--quick", action="store_true", help="a thinner grid")
+    parser.add_argument(
+        "--output",
+        action="append",
+        metavar="COMPONENT.VARIABLE",
+        help="judge by this output (default: those that the scene needs); may be repeated",
+    )
+    parser.add_argument(
+        "--limit", type=float, default=2.0, metavar="S", help="CPU seconds of one run (default: 2)"
+    )
+    parser.add_argument("--no-plots", action="store_true", help="tables and page only")
+    parser.add_argument("--restart", action="store_true", help="forget an interrupted study")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run or resume; exit status 1 when it was interrupted."""
+    from rich.console import Console
+
+    from ..cosim import load_scene, scene_names
+    from ..study.extras import require
+    from ..study.report import write_overview, write_study
+    from ..study.study import Study
+
+    require("study")
+    if not options.no_plots:
+        require("plots")
+    console = Console(highlight=False)
+    names = scene_names() if options.scenes == ["all"] else options.scenes
+    for name in names:
+        scene = load_scene(name)
+        study = Study.of(scene, quick=options.quick, limit=options.limit, outputs=options.output)
+        folder = options.out / scene.name
+        journal = folder / "study.jsonl"
+        if options.restart:
+            journal.unlink(missing_ok=True)
+        interrupted = False
+        with _bar(console) as bar:
+            task = bar.add_task(scene.name, total=None, label="")
+
+            def tell(done: int, count: int, label: str, bar: Any = bar, task: Any = task) -> None:
+                bar.update(task, completed=done, total=count, label=label)
+
+            try:
+                study.run(journal, tell)
+            except KeyboardInterrupt:
+                interrupted = True
+        page = write_study(study, folder, plots=not options.no_plots)
+        if interrupted:
+            console.print(
+                f"{scene.name}: stopped after {len(study.rows)} settings, which are kept: {page}. "
+                "The same command goes on from there."
+            )
+            return 1
+        _print(console, study, page)
+    overview = write_overview(options.out, plots=not options.no_plots)
+    if overview is not None:
+        console.print(f"all studies: {overview}")
+    return 0
+
+
+def _bar(console: Any) -> Any:
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=24),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[label]}"),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    )
+
+
+def _print(console: Any, study: Any, page: Path) -> None:
+    from rich.table import Table
+
+    from ..study.teach import crossings, lessons
+
+    table = Table(box=None, pad_edge=False, title=f"\n{study.scene.name}", title_justify="left")
+    for heading in ("error", "cheapest setting", "macro", "CPU s/s"):
+        table.add_column(heading, justify="left" if "setting" in heading else "right")
+    for level, row in crossings(study.rows):
+        if row is None:
+            table.add_row(f"{level:.0e}", "none", "", "")
+            continue
+        words = f"{row['form']} {row['method']}".strip()
+        if row["size"]:
+            words += f" {'tol' if row['size_is'] == 'tolerance' else 'h'} {row['size']:.2g}"
+        table.add_row(f"{level:.0e}", words, f"{row['macro_step']:.3g} s", f"{row['cpu']:.1e}")
+    console.print(table)
+    for text in lessons(study.rows):
+        console.print(f"- {text}", soft_wrap=not console.is_terminal)
+    for reference in study.references:
+        doubt = max(reference["uncertainty"].values())
+        console.print(
+            f"reference ({reference['what']}): {reference['how']}; uncertainty {doubt:.1e}",
+            style="dim", soft_wrap=not console.is_terminal,
+        )  # fmt: skip
+    console.print(str(page), soft_wrap=True)

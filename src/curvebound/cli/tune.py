@@ -1,0 +1,235 @@
+"""Choose the cheapest setting that meets a scene's error bounds, and check it.
+
+examples:
+  curvebound tune bead_on_wire
+  curvebound tune bead_on_wire --error 1e-9
+  curvebound tune scenarios/mine.py --error plant.slider.u=1e-4 --frame-rate 30 --write
+  curvebound tune all --verify
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+NAME = "tune"
+HELP = "choose the cheapest setting that meets a scene's needs"
+
+
+def _bound(text: str) -> tuple[str, float]:
+    path, equals, number = text.rpartition("=")
+    try:
+        value = float(number)
+    except ValueError:
+        value = 0.0
+    if not value > 0.0 or (equals and not path):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is neither a bound above zero nor component.variable=bound"
+        )
+    return path, value
+
+
+def _pair(text: str) -> tuple[str, str]:
+    path, equals, item = text.partition("=")
+    if not (equals and path and item):
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form component.variable=item")
+    return path, item
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument(
+        "scenes", metavar="SCENE", nargs="+", help="a .py or .ssp file, a scene's name, or all"
+    )
+    parser.add_argument(
+        "--error",
+        metavar="[PATH=]BOUND",
+        type=_bound,
+        action="append",
+        default=[],
+        help="largest error, of one output or of all (default: what the scene needs)",
+    )
+    parser.add_argument("--budget", type=float, metavar="S", help="CPU seconds per simulated one")
+    parser.add_argument("--frame-rate", type=float, metavar="HZ", help="pictures per second")
+    parser.add_argument(
+        "--keep",
+        metavar="PATH=ITEM",
+        type=_pair,
+        action="append",
+        default=[],
+        help="a model or formulation that is not to be chosen",
+    )
+    parser.add_argument(
+        "--continuous",
+        action="store_true",
+        help="judge control and inputs as acting all the time, not held over the macro step",
+    )
+    parser.add_argument(
+        "--limit", type=float, default=5.0, metavar="S", help="CPU seconds of one run (default: 5)"
+    )
+    parser.add_argument("--write", action="store_true", help="put the choice into the script")
+    parser.add_argument(
+        "--verify",
+        action="store_true",
+        help="check the promises: fresh starts, and the cost against the whole grid",
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE.json", help="with --verify: write the cases"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Tune and print; exit status 1 where nothing fits."""
+    from rich.console import Console
+
+    from ..cosim import scene_names
+    from ..study.extras import require
+
+    require("study")
+    console = Console(highlight=False)
+    names = scene_names() if options.scenes == ["all"] else options.scenes
+    if options.verify:
+        return _verify(options, names, console)
+    status = 0
+    for name in names:
+        status = max(status, _tune(options, name, console))
+    return status
+
+
+def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
+    from ..cosim import load_scene
+    from ..errors import CurveboundError
+    from ..study.study import study_outputs
+    from ..study.tune import Tuner
+    from ..study.write import choice_block, put_choice, script_of
+
+    script = script_of(name) if options.write else None
+    scene = load_scene(name)
+    bounds = {path: bound for path, bound in scene.needs.errors.items() if bound > 0.0}
+    given: dict[str, float] = dict(options.error)
+    paths = list(dict.fromkeys([*bounds, *(p for p in given if p)]))
+    if "" in given:
+        paths = paths or study_outputs(scene, scene.check())
+        bounds = dict.fromkeys(paths, given.pop(""))
+    bounds |= given
+    if not bounds:
+        raise CurveboundError(
+            f"The scene {scene.name} does not say what error it allows: give a bound with "
+            "--error 1e-6, or set `needs` in the scene."
+        )
+    tuner = Tuner(
+        scene,
+        paths,
+        continuous=options.continuous,
+        frame_rate=options.frame_rate,
+        limit=options.limit,
+        keep=dict(options.keep),
+    )
+    budget = options.budget if options.budget is not None else scene.needs.budget
+    with console.status(f"{scene.name}: reference") as status:
+        try:
+            choice = tuner.tune(
+                bounds, budget=budget, progress=lambda text: status.update(f"{scene.name}: {text}")
+            )
+        finally:
+            tuner.close()
+    lines = _words(scene, bounds, choice, budget)
+    for line in lines:
+        console.print(line, soft_wrap=not console.is_terminal)
+    if choice.chosen is None:
+        return 1
+    if script is not None:
+        setting = choice.chosen.setting
+        wanted = ", ".join(f"{path} within {bound:g}" for path, bound in bounds.items())
+        block = choice_block(scene, tuner.space, setting, [wanted])
+        put_choice(script, block)
+        console.print(f"written into {script}")
+    return 0 if choice.within_budget else 1
+
+
+def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | None) -> list[str]:
+    best = choice.best
+    lines = [f"[bold]{scene.name}[/]: " + ", ".join(f"{p} within {b:g}" for p, b in bounds.items())]
+    if choice.chosen is None:
+        lines.append(
+            f"  Nothing fits. The nearest, {_setting(best)}, misses by {best.miss:.3g} times."
+        )
+        if choice.advice:
+            lines.append(f"  What would: {choice.advice}.")
+    else:
+        lines.append(f"  {_setting(best)}: {best.cpu:.2e} s of CPU time per simulated second")
+        for path, verdict in best.verdicts.items():
+            lines.append(
+                f"  {path}: error {verdict.worst:.2e} (bound {bounds[path]:g}), verified by a run"
+            )
+        lines.append(
+            f"  Over starts within 20 % of the scene's own, at most {best.miss:.2g} of the bound "
+            f"is expected ({choice.runs} runs)."
+        )
+        cheaper = choice.cheaper
+        if cheaper is None:
+            lines.append("  Nothing clearly cheaper was found: here the macro steps cost most.")
+        else:
+            lines.append(
+                f"  The next cheaper, {_setting(cheaper)} at {cheaper.cpu:.2e} s, misses by "
+                f"{cheaper.miss:.3g} times."
+            )
+    if choice.until < scene.stop_time:
+        lines.append(
+            f"  Judged up to t = {choice.until:.4g} s: beyond, the motion amplifies even the "
+            "reference's own uncertainty too much."
+        )
+    if not choice.within_budget and budget is not None:
+        text = f"  That is {best.cpu / budget:.3g} times the budget of {budget:g} s."
+        if choice.affordable is not None:
+            found = choice.affordable
+            text += (
+                f" Within it, the most accurate is {_setting(found)}, which misses the bounds by "
+                f"{found.miss:.3g} times."
+            )
+        lines.append(text)
+    return lines
+
+
+def _setting(candidate: Any) -> str:
+    setting = candidate.setting
+    return f"{setting.label}, macro step {setting.step:.3g} s" + (
+        "" if setting.algorithm == "gauss_seidel" else f", {setting.algorithm}"
+    )
+
+
+def _verify(options: argparse.Namespace, names: list[str], console: Any) -> int:
+    from rich.table import Table
+
+    from ..study.files import write_json
+    from ..study.verify import BOUNDS, verify_scene
+
+    cases = []
+    bounds = [bound for _, bound in options.error] or list(BOUNDS)
+    table = Table(box=None, pad_edge=False)
+    for heading in ("scene", "bound", "choice", "met", "cost", "until"):
+        table.add_column(heading, justify="left" if heading in ("scene", "choice") else "right")
+    with console.status("") as status:
+        for name in names:
+            found = verify_scene(name, bounds, limit=options.limit, progress=status.update)
+            cases += found
+            for case in found:
+                table.add_row(
+                    case.scene, f"{case.bound:.0e}", case.setting, f"{case.met}/{case.fresh}",
+                    "-" if case.ratio is None else f"{case.ratio:.2f}", f"{case.until:.3g}",
+                )  # fmt: skip
+            if options.out is not None:
+                write_json([case.as_row() for case in cases], options.out)
+    console.print(table)
+    fresh = sum(case.fresh for case in cases)
+    met = sum(case.met for case in cases)
+    ratios = [case.ratio for case in cases if case.ratio is not None]
+    share = met / fresh if fresh else 0.0
+    dear = sum(ratio > 1.5 for ratio in ratios)
+    console.print(
+        f"bounds met at {met} of {fresh} fresh starts ({share:.1%}); cost over the grid's best at "
+        f"most {max(ratios, default=0.0):.2f}, above 1.5 in {dear} of {len(ratios)} cases; nothing "
+        f"fits in {sum(case.fresh == 0 for case in cases)} of {len(cases)} cases"
+    )
+    return 0 if share >= 0.95 and not dear else 1

@@ -1,0 +1,270 @@
+"""The pages of a study: one file each that loads nothing from anywhere."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..cosim.files import write_whole
+from .front import pareto, usable
+from .teach import crossings, lessons
+from .trust import MEASURES, Trust
+
+__all__ = ["overview_page", "study_page"]
+
+Row = dict[str, Any]
+
+_STYLE = """
+:root { color-scheme: light dark; --paper: #fff; --page: #f3f5f8; --ink: #1b222c; --muted: #5b6675;
+  --line: #d5dbe3; --accent: #0072b2; }
+@media (prefers-color-scheme: dark) { :root { --paper: #161b22; --page: #0d1117; --ink: #e6ebf2;
+  --muted: #9aa7b8; --line: #303a46; --accent: #56b4e9; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--page); color: var(--ink);
+  font: 15px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, Arial, sans-serif; }
+main, header, footer { max-width: 1180px; margin: 0 auto; padding: 14px 18px; }
+h1 { font-size: 1.5rem; margin: .4rem 0 0; } h2 { font-size: 1.1rem; margin: 1.6rem 0 .5rem; }
+p { max-width: 80ch; } .muted, footer { color: var(--muted); } footer { font-size: .85rem; }
+figure { margin: 0 0 1rem; background: #fff; border: 1px solid var(--line); border-radius: 10px;
+  padding: 8px; overflow-x: auto; }
+figure svg { display: block; max-width: 100%; height: auto; margin: 0 auto; }
+.scroll { overflow-x: auto; background: var(--paper); border: 1px solid var(--line);
+  border-radius: 10px; }
+table { border-collapse: collapse; width: 100%; font-size: .9rem;
+  font-variant-numeric: tabular-nums; }
+th, td { padding: .3rem .7rem; text-align: right; white-space: nowrap;
+  border-top: 1px solid var(--line); }
+th { color: var(--muted); font-weight: 500; border-top: 0; }
+th:first-child, td:first-child, td.w, th.w { text-align: left; white-space: normal; }
+a { color: var(--accent); }
+li { margin: .2rem 0; max-width: 85ch; }
+"""
+
+
+def _document(title: str, body: str, footer: str) -> str:
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
+        "style-src 'unsafe-inline'; img-src data:\">"
+        f"<title>{html.escape(title)}</title><style>{_STYLE}</style></head>\n"
+        f"<body>{body}<footer>{footer}</footer></body></html>\n"
+    )
+
+
+def _number(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, float):
+        if value == 0.0:
+            return "0"
+        return f"{value:.2e}" if not 1e-2 <= abs(value) < 1e4 else f"{value:.3g}"
+    return html.escape(str(value))
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[Any]], words: Sequence[int] = (0,)) -> str:
+    def cell(tag: str, i: int, text: str) -> str:
+        return f'<{tag}{" class=w" if i in words else ""}>{text}</{tag}>'
+
+    lines = ["<tr>" + "".join(cell("th", i, html.escape(h)) for i, h in enumerate(head)) + "</tr>"]
+    for row in rows:
+        cells = "".join(cell("td", i, _number(value)) for i, value in enumerate(row))
+        lines.append(f"<tr>{cells}</tr>")
+    return f'<div class="scroll"><table>{"".join(lines)}</table></div>'
+
+
+def _figure(svg: Path, words: str) -> str:
+    if not svg.is_file():
+        return ""
+    text = svg.read_text(encoding="utf-8")
+    text = text[text.index("<svg") :]
+    # several drawings share the page: their names must not meet
+    mark = svg.stem.replace(" ", "_")
+    for old, new in (('id="', f'id="{mark}-'), ("url(#", f"url(#{mark}-"),
+                     ('xlink:href="#', f'xlink:href="#{mark}-')):  # fmt: skip
+        text = text.replace(old, new)
+    label = f'<svg role="img" aria-label="{html.escape(words)}"'
+    return f"<figure>{text.replace('<svg', label, 1)}</figure>"
+
+
+def _size(row: Row) -> str:
+    if not row["size"]:
+        return "-"
+    return f"{'tol' if row['size_is'] == 'tolerance' else 'h'} {row['size']:.3g}"
+
+
+def _setting(row: Row) -> list[Any]:
+    words = " ".join(part for part in (row["form"], row["method"]) if part)
+    return [words, _size(row), f"{row['macro_step']:.3g}"]
+
+
+def study_page(
+    out: Path,
+    *,
+    name: str,
+    description: str,
+    rows: Sequence[Row],
+    references: Sequence[Row],
+    paths: Sequence[str],
+    complete: bool,
+    statements: Sequence[Trust],
+    footer: str,
+) -> Path:
+    """Write the page of one scene to `out`; pictures are taken from the files beside it."""
+    folder = out.parent
+    good = usable(rows)
+    parts = [
+        f"<header><h1>{html.escape(name)}</h1><p class=muted>{html.escape(description)}; errors of "
+        f"{html.escape(', '.join(paths))}, in their units, the largest of them.</p></header><main>"
+    ]
+    if not complete:
+        parts.append("<p><b>Unfinished:</b> the same command goes on where it was stopped.</p>")
+    taught = lessons(rows)
+    if taught:
+        items = "".join(f"<li>{html.escape(text)}</li>" for text in taught)
+        parts.append(f"<h2>What it teaches</h2><ul>{items}</ul>")
+    parts.append("<h2>The cheapest setting for an error</h2>")
+    parts.append(
+        _table(
+            ["error below", "setting", "size", "macro step / s", "error", "CPU s per s"],
+            [
+                [f"{level:.0e}", *(_setting(row) if row else ["none", "-", "-"]),
+                 row["error"] if row else None, row["cpu"] if row else None]
+                for level, row in crossings(rows)
+            ],
+            words=(0, 1),
+        )
+    )  # fmt: skip
+    parts.append("<h2>Work and precision</h2>")
+    parts.append(_figure(folder / "work.svg", "error over CPU time for every setting"))
+    parts.append(_figure(folder / "precision.svg", "error over micro step and tolerance"))
+    if (folder / "macro.svg").is_file():
+        parts.append("<h2>Macro step and algorithm</h2>")
+        parts.append(
+            "<p>Left, against the scene as it stands, which holds values over its own macro step: "
+            "another macro step is another scene. Right, against control and inputs that act all "
+            "the time: what holding costs.</p>"
+        )
+        parts.append(_figure(folder / "macro.svg", "error over macro step for each algorithm"))
+    parts.append("<h2>Pareto front</h2>")
+    parts.append(
+        _table(
+            ["setting", "size", "macro step / s", "error", "numerical", "model", "CPU s per s",
+             "evaluations", "energy residual / J", "drift / m"],
+            [
+                [*_setting(r), r["error"], r["numerical"], r["modelling"], r["cpu"],
+                 r["evaluations"], r["energy_residual"], r["drift"]]
+                for r in pareto(good)
+            ],
+        )
+    )  # fmt: skip
+    parts.append("<h2>Live measures against the truth</h2>")
+    parts.append(_TRUST_WORDS)
+    parts.append(_trust_table(statements))
+    parts.append(_figure(folder / "trust.svg", "true error over live measures"))
+    parts.append("<h2>References</h2>")
+    parts.append(_references(references, rows))
+    failed = [row for row in rows if row["failure"]]
+    if failed:
+        parts.append(f"<h2>Failed: {len(failed)} settings</h2>")
+        parts.append(
+            _table(
+                ["setting", "size", "macro step / s", "message"],
+                [[*_setting(row), row["failure"]] for row in failed[:40]],
+                words=(0, 3),
+            )
+        )
+    parts.append(
+        '<p>All rows: <a href="study.csv">study.csv</a>, <a href="study.json">study.json</a>.</p>'
+        "</main>"
+    )
+    text = _document(f"{name}: a study", "\n".join(parts), footer)
+    return write_whole(out, lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def _references(references: Sequence[Row], rows: Sequence[Row]) -> str:
+    table = []
+    for reference in references:
+        model = ", ".join(f"{path}={item}" for path, item in reference["model"].items())
+        for path, doubt in reference["uncertainty"].items():
+            table.append([reference["what"], model or "-", path, doubt, reference["how"]])
+    body = _table(
+        ["reference", "model", "output", "uncertainty", "two computations"],
+        table,
+        words=(0, 1, 2, 4),
+    )
+    unjudged = [r for r in rows if not r["failure"] and not r["judged"]]
+    untils = [r["judged_until"] for r in rows if r["judged_until"] is not None and r["judged"]]
+    words = ""
+    if unjudged:
+        words += (
+            f"<p>{len(unjudged)} rows are not judged: their error is less than 100 times the "
+            "uncertainty of the reference.</p>"
+        )
+    if untils and min(untils) < max(untils):
+        words += (
+            f"<p>The motion amplifies errors: some rows are judged up to t = {min(untils):.4g} s "
+            "only, where the reference still holds for them.</p>"
+        )
+    return body + words
+
+
+_TRUST_WORDS = (
+    "<p>What can be read while a simulation runs, set against the true error of that run. Errors "
+    "are relative to the range of the output. solver.tolerance: that of adaptive; energy.residual: "
+    "its largest size over the largest kinetic energy; both against the numerical error. "
+    "model.acceleration_error: its largest value, against the error of the linear model.</p>"
+)
+
+
+def _trust_table(statements: Sequence[Trust]) -> str:
+    return _table(
+        ["measure", "of", "runs", "true / said, median", "from (5 %)", "to (95 %)",
+         "over 10 times", "rank correlation", "so it is"],
+        [
+            [MEASURES[t.measure], t.group, t.count, t.median, t.low, t.high, f"{t.under:.0%}",
+             None if math.isnan(t.correlation) else round(t.correlation, 2), t.verdict]
+            for t in statements
+        ],
+        words=(0, 1, 8),
+    )  # fmt: skip
+
+
+def overview_page(
+    out: Path, studies: Mapping[str, Row], statements: Sequence[Trust], footer: str
+) -> Path:
+    """Write the page of all scenes studied so far: the cheapest settings, and the measures."""
+    parts = [
+        "<header><h1>Studies</h1><p class=muted>What each setting costs and gains, by scene; and "
+        "how far the live error measures can be trusted, over all of them.</p></header><main>"
+    ]
+    rows = []
+    for name, study in studies.items():
+        for level, row in crossings(study["rows"]):
+            if level in (1e-2, 1e-6, 1e-10):
+                rows.append(
+                    [name, f"{level:.0e}", *(_setting(row) if row else ["none", "-", "-"]),
+                     row["cpu"] if row else None]
+                )  # fmt: skip
+    links = "".join(
+        f'<li><a href="{html.escape(name)}/index.html">{html.escape(name)}</a>: '
+        f"{html.escape(study['description'])}</li>"
+        for name, study in studies.items()
+    )
+    parts.append(f"<ul>{links}</ul><h2>The cheapest setting for an error</h2>")
+    parts.append(
+        _table(
+            ["scene", "error below", "setting", "size", "macro step / s", "CPU s per s"], rows,
+            words=(0, 2),
+        )
+    )  # fmt: skip
+    parts.append("<h2>Live measures against the truth, all scenes</h2>")
+    parts.append(_TRUST_WORDS)
+    parts.append(_trust_table(statements))
+    parts.append(_figure(out.parent / "trust.svg", "true error over live measures, all scenes"))
+    parts.append("</main>")
+    text = _document("Studies", "\n".join(parts), footer)
+    return write_whole(out, lambda path: path.write_text(text, encoding="utf-8"))

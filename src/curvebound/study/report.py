@@ -1,0 +1,100 @@
+"""From the rows of a study to its files: tables, pictures, page."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ..errors import CurveboundError
+from .files import read_json, write_json, write_rows
+from .page import overview_page, study_page
+from .plots import draw_macro, draw_precision, draw_trust, draw_work
+from .study import Study
+from .trust import MEASURES, Point, Trust, points, trust
+
+__all__ = ["write_overview", "write_study"]
+
+Row = dict[str, Any]
+
+
+def _footer() -> str:
+    from ..bench.machine import machine
+
+    return html.escape("; ".join(f"{name} {value}" for name, value in machine().items()))
+
+
+def _statements(studies: Mapping[str, Sequence[Row]]) -> tuple[list[Trust], list[list[Point]]]:
+    """Per measure: over everything, and by formulation; with the points."""
+    said: list[Trust] = []
+    found = []
+    for measure in MEASURES:
+        every = points(measure, studies)
+        found.append(every)
+        whole = trust(measure, every)
+        if whole is not None:
+            said.append(whole)
+        groups = list(dict.fromkeys(p.form for p in every))
+        if len(groups) > 1:
+            for group in groups:
+                one = trust(measure, [p for p in every if p.form == group], group)
+                if one is not None:
+                    said.append(one)
+    return said, found
+
+
+def write_study(study: Study, folder: Path, *, plots: bool = True) -> Path:
+    """Write study.csv, study.json, the pictures and index.html; returns the page."""
+    name = study.scene.name
+    statements, found = _statements({name: study.rows})
+    write_rows(study.rows, folder / "study.csv")
+    write_json(
+        {
+            "scene": name,
+            "description": study.scene.description,
+            "outputs": study.paths,
+            "complete": study.complete,
+            "references": study.references,
+            "rows": study.rows,
+        },
+        folder / "study.json",
+    )
+    if plots:
+        draw_work(study.rows, folder / "work", name)
+        draw_precision(study.rows, folder / "precision", name)
+        draw_macro(study.rows, folder / "macro", name)
+        draw_trust(list(zip(MEASURES.values(), found, strict=True)), folder / "trust", name)
+    return study_page(
+        folder / "index.html",
+        name=name,
+        description=study.scene.description,
+        rows=study.rows,
+        references=study.references,
+        paths=study.paths,
+        complete=study.complete,
+        statements=statements,
+        footer=_footer(),
+    )
+
+
+def write_overview(folder: Path, *, plots: bool = True) -> Path | None:
+    """Write the page of all studies in the subfolders; None where there is none."""
+    studies: dict[str, Row] = {}
+    for file in sorted(folder.glob("*/study.json")):
+        with suppress(OSError, ValueError, KeyError):
+            data = read_json(file)
+            for row in data["rows"]:  # infinity became null
+                for key in ("error", "numerical"):
+                    row[key] = float("inf") if row.get(key) is None else row[key]
+            studies[data["scene"]] = data
+    if not studies:
+        return None
+    statements, found = _statements({name: data["rows"] for name, data in studies.items()})
+    if plots:
+        with suppress(CurveboundError):
+            draw_trust(
+                list(zip(MEASURES.values(), found, strict=True)), folder / "trust", "all scenes"
+            )
+    return overview_page(folder / "index.html", studies, statements, _footer())

@@ -1,0 +1,114 @@
+"""What the rows of a study say, in sentences and small tables."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Sequence
+from typing import Any
+
+from .front import cheapest, usable
+
+__all__ = ["LEVELS", "crossings", "lessons", "order_of", "ratio_of_forms"]
+
+Row = dict[str, Any]
+
+#: errors for which the cheapest setting is named
+LEVELS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+_LOW, _HIGH = 1e-12, 3e-2  # errors between rounding and nonsense, where laws can be seen
+
+
+def _family(rows: Sequence[Row], form: str, method: str) -> dict[float, Row]:
+    """Rows by micro step or tolerance, that of the longest macro step where there are several."""
+    found: dict[float, Row] = {}
+    for row in sorted(usable(rows, error="numerical"), key=lambda r: float(r["macro_step"])):
+        if row["form"] == form and row["method"] == method and row["size"]:
+            found[float(f"{row['size']:.6g}")] = row
+    return found
+
+
+def order_of(rows: Sequence[Row], form: str, method: str) -> float | None:
+    """Exponent of the numerical error in micro step or tolerance, by a log-log fit."""
+    points = [
+        (math.log(size), math.log(row["numerical"]))
+        for size, row in _family(rows, form, method).items()
+        if _LOW < row["numerical"] < _HIGH
+    ]
+    if len(points) < 3:
+        return None
+    return statistics.linear_regression([x for x, _ in points], [y for _, y in points]).slope
+
+
+def ratio_of_forms(rows: Sequence[Row], form: str, other: str, method: str) -> float | None:
+    """Error in `form` over that in `other` at the same micro steps: the median."""
+    a, b = _family(rows, form, method), _family(rows, other, method)
+    ratios = [
+        a[size]["numerical"] / b[size]["numerical"]
+        for size in a.keys() & b.keys()
+        if all(_LOW < of[size]["numerical"] < _HIGH for of in (a, b))
+    ]
+    return statistics.median(ratios) if len(ratios) >= 2 else None
+
+
+def crossings(rows: Sequence[Row]) -> list[tuple[float, Row | None]]:
+    """The cheapest row for each of LEVELS, over all macro steps that were studied."""
+    good = usable(rows)
+    return [(level, cheapest(good, level)) for level in LEVELS]
+
+
+def lessons(rows: Sequence[Row]) -> list[str]:
+    """Sentences on formulation, method, step and model."""
+    good = usable(rows, error="numerical")
+    forms = list(dict.fromkeys(row["form"] for row in good))
+    methods = list(dict.fromkeys(row["method"] for row in good))
+    said: list[str] = []
+    if not good:
+        return said
+    simpler = {row["form"]: row["modelling"] for row in good if row["modelling"] > 0.0}
+    for form, error in simpler.items():
+        said.append(
+            f"The {form} model itself is off by {error:.2g}, however it is integrated: it meets no "
+            "bound below that."
+        )
+    full = [form for form in forms if form not in simpler]
+    for form in full[1:]:
+        ratio = ratio_of_forms(rows, form, full[0], "rk4")
+        if ratio is not None:
+            more = f"{ratio:.2g} times the error" if ratio >= 1 else f"{1 / ratio:.2g} times less"
+            said.append(f"At the same step of rk4, {form} has {more} of {full[0]}.")
+    exact = [row for row in good if row["method"] == "exact"]
+    if exact:
+        worst = max(row["numerical"] for row in exact)
+        steps = ", ".join(f"{row['macro_step']:g}" for row in exact)
+        said.append(
+            f"exact is free of numerical error, {worst:.1g} at macro steps of {steps} s: rounding."
+        )
+    measured = []
+    for method in methods:
+        order = order_of(rows, full[0], method) if full else None
+        if order is not None:
+            what = "tolerance" if method == "adaptive" else "step"
+            measured.append(f"{method} {what}^{order:.2f}")
+    if measured:
+        said.append(f"Numerical error ({full[0] or 'measured'}): {', '.join(measured)}.")
+    said += _dearest(rows)
+    return said
+
+
+def _dearest(rows: Sequence[Row]) -> list[str]:
+    """From which accuracy on which method is the cheapest."""
+    found = [(level, row) for level, row in crossings(rows) if row is not None]
+    if not found:
+        return []
+    parts: list[str] = []
+    last = ""
+    for level, row in found:
+        label = f"{row['form']} {row['method']}".strip()
+        if label != last:
+            parts.append(f"{label} from {level:.0e} on")
+            last = label
+    unmet = [level for level, row in crossings(rows) if row is None]
+    text = "The cheapest: " + ", ".join(parts) + "."
+    if unmet:
+        text += f" No setting reaches {max(unmet):.0e}."
+    return [text]

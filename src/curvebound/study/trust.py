@@ -1,0 +1,123 @@
+"""How far the live error measures can be trusted: what they said against what was true.
+
+Three measures can be read while a simulation runs. Each is set against the true error of the same
+run, both relative: to the range of the outputs, and for the energy residual to the largest kinetic
+energy. What is stated of a measure is the factor between it and the true error: its median, and the
+range that holds nine in ten settings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+__all__ = ["MEASURES", "Point", "Trust", "points", "trust"]
+
+Row = dict[str, Any]
+_ROUNDING = 1e-13  # relative error below which rounding rules, not the measure
+
+MEASURES = {
+    "solver.tolerance": "solver.tolerance",
+    "energy.residual": "energy.residual / kinetic",
+    "model.acceleration_error": "acceleration_error",
+}
+
+
+@dataclass(frozen=True)
+class Point:
+    """What a measure said of one run, and what the error was, both relative."""
+
+    scene: str
+    form: str
+    method: str
+    said: float
+    true: float
+
+
+@dataclass(frozen=True)
+class Trust:
+    """The factor true / said over `count` runs; correlation: of the ranks (Spearman).
+
+    under: share of the runs in which the true error was above ten times what was said.
+    """
+
+    measure: str
+    group: str
+    count: int
+    median: float
+    low: float
+    high: float
+    under: float
+    correlation: float
+
+    @property
+    def verdict(self) -> str:
+        """In words, what the measure is good for."""
+        if self.count < 8:
+            return "too few runs to tell"
+        spread = self.high / self.low
+        if spread < 30.0 and self.correlation > 0.9:
+            return "a measure of the error"
+        if self.under < 0.05 and self.correlation > 0.7:
+            return "an upper bound, mostly far above the error"
+        if self.correlation > 0.7:
+            return "tells large errors from small ones, not their size"
+        return "a warning only: it can be small while the error is large"
+
+
+def points(measure: str, studies: Mapping[str, Sequence[Row]]) -> list[Point]:
+    """All runs that the measure applies to; studies: rows by scene."""
+    found = []
+    for scene, rows in studies.items():
+        for row in rows:
+            if row["purpose"] != "micro" or row["failure"] or not row["judged"]:
+                continue
+            amplitude = row.get("amplitude") or 0.0
+            said, true = _pair(measure, row)
+            if not (said > 0.0 and amplitude > 0.0 and math.isfinite(said)):
+                continue
+            true /= amplitude
+            if _ROUNDING < true < 1.0 and said > 1e-17:
+                found.append(Point(scene, row["form"], row["method"], said, true))
+    return found
+
+
+def _pair(measure: str, row: Row) -> tuple[float, float]:
+    if measure == "solver.tolerance":
+        said = row["size"] if row["size_is"] == "tolerance" else 0.0
+        return said or 0.0, row["numerical"]
+    if measure == "energy.residual":
+        kinetic = row.get("kinetic") or 0.0
+        residual = row["energy_residual"] or 0.0
+        return (residual / kinetic if kinetic > 0.0 else 0.0), row["numerical"]
+    return (row["acceleration_error"] or 0.0), row.get("modelling", 0.0)
+
+
+def trust(measure: str, found: Iterable[Point], group: str = "all") -> Trust | None:
+    """The statement on a measure from its points; None without any."""
+    every = list(found)
+    if measure == "model.acceleration_error":  # the same model, run many times, counts once
+        every = list({(p.scene, round(math.log10(p.true), 3)): p for p in every}.values())
+    if not every:
+        return None
+    said = np.array([p.said for p in every])
+    true = np.array([p.true for p in every])
+    ratio = true / said
+    low, median, high = np.quantile(ratio, [0.05, 0.5, 0.95])
+    return Trust(
+        measure, group, len(every), float(median), float(low), float(high),
+        float(np.mean(ratio > 10.0)), _spearman(said, true),
+    )  # fmt: skip
+
+
+def _spearman(a: Any, b: Any) -> float:
+    if len(a) < 3:
+        return math.nan
+    ranks = [np.argsort(np.argsort(x)).astype(float) for x in (a, b)]
+    if np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
+        return math.nan
+    return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
