@@ -62,6 +62,6 @@ class CoupledMass(Fmi2Slave):
         return True
 
 
-# PythonFMU 0.7.0's wrapper executes this module anew for each instance and then releases a reference
-# to its namespace that it does not own: without another one the namespace is freed while in use.
+# PythonFMU 0.7.0's wrapper executes this module anew for each instance and then releases a
+# reference to its namespace that is not its own: without another one that is freed while in use.
 globals().setdefault("_held", []).append(globals())
