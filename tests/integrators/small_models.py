@@ -9,7 +9,10 @@ from curvebound.models.base import Jacobian, Model
 
 
 class Oscillator(Model):
-    """Two oscillators, damped and pushed: q'' = -w^2 q - d v + f, unit masses."""
+    """Two oscillators, damped and pushed: q'' = -w^2 q - d v + f, unit masses.
+
+    A spring of stiffness `outer` is part of w^2 but not of the energy: its force does work.
+    """
 
     def __init__(
         self,
@@ -17,11 +20,13 @@ class Oscillator(Model):
         w1: float = 3.0,
         damping: float = 0.0,
         push: float = 0.0,
+        outer: float = 0.0,
     ) -> None:
         super().__init__()
         self.k0, self.k1, self.d, self.f = w0 * w0, w1 * w1, damping, push
+        self.outer = outer
         self.q0, self.q1, self.v0, self.v1 = 1.0, -0.5, 0.5, 0.0
-        self.works = damping != 0.0 or push != 0.0
+        self.works = damping != 0.0 or push != 0.0 or outer != 0.0
         self.is_linear = True
         self.start_energy = self.energy()
 
@@ -33,7 +38,9 @@ class Oscillator(Model):
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
     ) -> float:
-        return (self.f - self.d * v0) * v0 + (self.f - self.d * v1) * v1
+        force0 = self.f - self.d * v0 - self.outer * q0
+        force1 = self.f - self.d * v1 - self.outer * q1
+        return force0 * v0 + force1 * v1
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
         return -self.k0, 0.0, 0.0, -self.k1, -self.d, 0.0, 0.0, -self.d
@@ -50,13 +57,15 @@ class Oscillator(Model):
     def power_form(self) -> list[list[float]]:
         c = [[0.0] * 5 for _ in range(5)]
         c[2][2] = c[3][3] = -self.d
+        c[0][2] = c[2][0] = c[1][3] = c[3][1] = -0.5 * self.outer
         c[2][4] = c[4][2] = c[3][4] = c[4][3] = 0.5 * self.f
         return c
 
     def energy(self) -> float:
         """Kinetic and elastic."""
         kinetic = 0.5 * (self.v0 * self.v0 + self.v1 * self.v1)
-        return kinetic + 0.5 * (self.k0 * self.q0 * self.q0 + self.k1 * self.q1 * self.q1)
+        k0, k1 = self.k0 - self.outer, self.k1 - self.outer
+        return kinetic + 0.5 * (k0 * self.q0 * self.q0 + k1 * self.q1 * self.q1)
 
     def residual(self) -> float:
         """Energy minus its initial value and the work: zero for the exact solution."""

@@ -160,6 +160,25 @@ def test_a_coordinate_at_rest_that_is_set_in_motion() -> None:
         assert model.v1 == pytest.approx(2.0**3 / 6, rel=1e-12)
 
 
+def test_a_coordinate_set_in_motion_is_solved_for_in_the_same_step() -> None:
+    class Driven(Oscillator):
+        """q1'' = q0^2 - 25 q1 from rest, beside q0'' = 0."""
+
+        def acceleration(
+            self, t: float, q0: float, q1: float, v0: float, v1: float
+        ) -> tuple[float, float]:
+            return 0.0, q0 * q0 - 25.0 * q1
+
+    model, method = Driven(), create(4)
+    model.q0 = model.q1 = model.v1 = 0.0
+    model.v0 = 1.0
+    march(method, model, 0.4, tolerance=1e-9)
+    t, w = 0.4, 5.0
+    truth = (t * t - 2 / w**2 + 2 / w**2 * math.cos(w * t)) / w**2
+    assert method.steps < 8
+    assert model.q1 == pytest.approx(truth, abs=1e-10)
+
+
 def test_jumping_inputs() -> None:
     """A push that jumps at each communication point, against the closed form piece by piece."""
     rng = random.Random(2)
@@ -283,18 +302,43 @@ def test_state_continues_bit_for_bit_in_a_new_instance() -> None:
 
 
 def test_settling_between_steps_is_taken_into_account() -> None:
-    """A settle() that moves the state: the next step starts from what it left."""
+    """A step starts from what settle() left of the last one, not from what it was given."""
 
     class Nudged(Pendulum):
+        seen: set[tuple[float, float]]
+        left: tuple[float, float] | None = None
+
+        def acceleration(
+            self, t: float, q0: float, q1: float, v0: float, v1: float
+        ) -> tuple[float, float]:
+            self.seen.add((q0, v0))
+            return super().acceleration(t, q0, q1, v0, v1)
+
         def settle(self, h: float) -> None:
+            if self.left is not None:
+                assert self.left in self.seen
             self.v0 *= 0.5
+            self.left = (self.q0, self.v0)
 
     model, method = Nudged(), create(4)
+    model.seen = set()
     model.settles = True
     march(method, model, 3.0, tolerance=1e-8)
-    # what the energy would be without is far above
-    assert model.energy() < -5.0
-    assert method.steps < 60
+    assert 10 < method.steps < 60
+
+
+def test_a_long_step_after_a_tiny_one() -> None:
+    """As at communication points of random distance: the tiny step's polynomial is of no use."""
+    for tiny in (1e-3, 1e-6, 1e-9):
+        model, method = Sliding(), create(4)
+        march(method, model, 1.0, tolerance=1e-9)
+        march(method, model, tiny, tolerance=1e-9)
+        before = method.evaluations
+        march(method, model, 1.0, tolerance=1e-9)
+        assert method.evaluations - before < 330
+        other = Sliding()
+        march(create(4), other, 2.0 + tiny, tolerance=1e-13)
+        assert model.q0 == pytest.approx(other.q0, abs=1e-8)
 
 
 @pytest.mark.parametrize("tolerance", [1e-15, 1e-18, 1e-300])

@@ -18,7 +18,7 @@ CASES = {
 
 
 def driven() -> Oscillator:
-    return Oscillator(damping=0.3, push=2.0)
+    return Oscillator(damping=0.3, push=2.0, outer=1.5)
 
 
 @pytest.mark.parametrize("name", CASES)
