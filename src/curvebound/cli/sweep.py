@@ -1,0 +1,127 @@
+"""Run a scene over a grid or a sample of its parameters, on all cores or on a Dask cluster.
+
+examples:
+  curvebound sweep bead_on_wire --vary bead.bead.damping=0:1:11 --metric "final(bead.bead.y)"
+  curvebound sweep pendulum_large --vary plant.slider.u_start=0.5:2:40 \\
+      --vary plant.pendulum.angle_start=0:3:40 --metric "max(abs(plant.pendulum.angle))" --map
+  curvebound sweep swaying_parabola --vary drive.waveform.frequency=0.1:2 --latin 500
+  curvebound sweep bead_on_wire --vary bead.wire.radius=0.1:10:100:log --scheduler tcp://host:8786
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+NAME = "sweep"
+HELP = "run a scene over a range of parameters"
+
+
+def _setting(text: str) -> tuple[str, str]:
+    path, equals, value = text.partition("=")
+    if not equals or not path.strip():
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form component.variable=value")
+    return path.strip(), value.strip()
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("scene", metavar="SCENE", help="a .py or .ssp file, or a scene's name")
+    parser.add_argument(
+        "--vary",
+        metavar="PATH=LOW:HIGH:N",
+        action="append",
+        default=[],
+        help="a parameter and its values: LOW:HIGH:N, LOW:HIGH:N:log or a,b,c; may be repeated",
+    )
+    parser.add_argument("--latin", type=int, default=0, metavar="N", help="N points of a sample")
+    parser.add_argument("--seed", type=int, default=0, help="of the sample (default: 0)")
+    parser.add_argument(
+        "--metric",
+        metavar="EXPR",
+        action="append",
+        default=[],
+        help="a number to keep of each run, such as max(abs(bead.bead.x)); may be repeated",
+    )
+    parser.add_argument(
+        "--set",
+        metavar="PATH=VALUE",
+        type=_setting,
+        action="append",
+        default=[],
+        help="a setting of all points",
+    )
+    parser.add_argument("--variant", metavar="NAME", help="of the scene")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help=".csv or .parquet (default: build/sweep/SCENE.csv)"
+    )
+    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
+    parser.add_argument("--restart", action="store_true", help="forget what an earlier run did")
+    parser.add_argument(
+        "--map", action="store_true", help="draw a heat map, where two parameters vary"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Sweep; a failed point is a row with its message, and no failure of the sweep."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    from ..errors import CurveboundError
+    from ..study.extras import require
+    from ..study.sweep import Design, Sweep, axis
+
+    if options.latin < 0 or (options.workers is not None and options.workers < 1):
+        raise CurveboundError("--latin and --workers take numbers of 1 or more.")
+    if options.map:
+        require("plots")
+    design = Design([axis(text) for text in options.vary], options.latin, options.seed)
+    sweep = Sweep(
+        options.scene, design, options.metric, changes=dict(options.set), variant=options.variant
+    )
+    out = options.out or Path("build", "sweep", f"{sweep.scene.name}.csv")
+    if options.map and out.suffix != ".csv":
+        raise CurveboundError("--map draws from a CSV: give an --out that ends in .csv.")
+    console = Console(highlight=False)
+    with Progress(
+        TextColumn("{task.description}"), BarColumn(bar_width=24), MofNCompleteColumn(),
+        TimeRemainingColumn(), TextColumn("{task.fields[note]}"),
+        console=console, transient=True, disable=not console.is_terminal,
+    ) as bar:  # fmt: skip
+        task = bar.add_task(sweep.scene.name, total=len(design), note="")
+
+        def tell(done: int, count: int, failed: int) -> None:
+            note = f"{failed} failed" if failed else ""
+            bar.update(task, completed=done, total=count, note=note)
+
+        try:
+            result = sweep.run(
+                out,
+                workers=options.workers,
+                scheduler=options.scheduler,
+                restart=options.restart,
+                progress=tell,
+            )
+        except KeyboardInterrupt:
+            console.print(f"Stopped; {out} holds what is done; the same command goes on.")
+            return 1
+    earlier = result.points - result.run
+    text = f"{result.path}: {result.points} points"
+    if earlier:
+        text += f", {earlier} of them from an earlier run"
+    if result.failed:
+        text += f"; {result.failed} failed, see the column message"
+    console.print(text, soft_wrap=True)
+    if options.map:
+        from ..study.sweep.heatmap import draw_heat_map
+
+        for path in draw_heat_map(result.path, design, sweep.metrics, out.with_suffix("")):
+            console.print(str(path), soft_wrap=True)
+    return 0

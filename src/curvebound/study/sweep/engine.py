@@ -1,0 +1,151 @@
+"""A sweep from beginning to end: resumed where it was stopped, on processes or on a cluster."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ... import __version__
+from ...cosim.fmu import Value, nearest
+from ...cosim.scene import Scene
+from ...errors import CurveboundError
+from ..study import identity
+from .cluster import run_on_cluster
+from .design import Design
+from .local import run_locally
+from .metrics import Metric
+from .store import Store
+from .task import Point, Task
+
+__all__ = ["Sweep", "SweepResult", "cores"]
+
+Progress = Callable[[int, int, int], None]  # points done, points in all, failed ones
+
+
+def cores() -> int:
+    """Processor cores that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:
+        return os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """A finished sweep: its file, and how many points there are, were run now, and failed."""
+
+    path: Path
+    points: int
+    run: int
+    failed: int
+
+
+class Sweep:
+    """A scene over a design, checked before anything runs.
+
+    which: the scene's name or file; metrics: expressions, see Metric (default: final value and
+    largest size of the outputs that the scene needs, else of the first six that it records).
+    changes: settings by path on top of the scene's.
+    """
+
+    def __init__(
+        self,
+        which: str,
+        design: Design,
+        metrics: Sequence[str] = (),
+        *,
+        changes: Mapping[str, Value] | None = None,
+        variant: str | None = None,
+    ) -> None:
+        path = Path(which)
+        text = path.read_bytes() if path.suffix in (".py", ".ssp") and path.is_file() else None
+        self.design = design
+        settings = tuple((changes or {}).items())
+        bare = Task(which, text, settings, (), variant)
+        scene = bare.scene()
+        self.metrics = [Metric(m).text for m in metrics] or _default_metrics(scene)
+        self.task = Task(which, text, settings, tuple(self.metrics), variant)
+        self.scene = self.task.scene()
+        system = self.scene.check()
+        for one in design.axes:
+            name, _, variable = one.path.partition(".")
+            node = system.nodes.get(name)
+            known = [v.name for v in node.fmu.variables.values() if v.is_settable_start] if (
+                node is not None
+            ) else []  # fmt: skip
+            if variable not in known:
+                every = [
+                    f"{n.name}.{v.name}"
+                    for n in system.nodes.values()
+                    for v in n.fmu.variables.values()
+                    if v.is_settable_start
+                ]
+                raise CurveboundError(
+                    f"--vary {one.path}: {nearest(one.path, every)} A sweep varies start values "
+                    "and parameters of the scene's components."
+                )
+        described = {
+            "scene": identity(system),
+            "axes": [str(one) for one in design.axes],
+            "latin": [design.latin, design.seed],
+            "metrics": self.metrics,
+            "version": __version__,
+        }
+        text_of = json.dumps(described, sort_keys=True)
+        self.identity = hashlib.sha256(text_of.encode()).hexdigest()[:16]
+
+    def run(
+        self,
+        out: Path,
+        *,
+        workers: int | None = None,
+        scheduler: str | None = None,
+        restart: bool = False,
+        progress: Progress | None = None,
+    ) -> SweepResult:
+        """Run the points that `out` does not hold yet.
+
+        workers: processes (default: one per core); scheduler: address of a Dask scheduler instead.
+        KeyboardInterrupt leaves what is done in the file; the next run goes on from there.
+        """
+        store = Store(out, self.identity, [a.path for a in self.design.axes], self.metrics)
+        if scheduler is not None:
+            from ..extras import require
+
+            require("sweep")
+        done = store.open(restart=restart)
+        missing: list[Point] = [
+            (i, self.design[i]) for i in range(len(self.design)) if i not in done
+        ]
+        failed = 0
+        finished = len(done)
+        try:
+            if progress is not None:
+                progress(finished, len(self.design), failed)
+            if missing and scheduler is not None:
+                batches = run_on_cluster(self.task, missing, scheduler)
+            elif missing:
+                batches = run_locally(self.task, missing, workers or cores())
+            else:
+                batches = iter(())
+            for rows in batches:
+                store.add(rows, self.design)
+                finished += len(rows)
+                failed += sum(bool(message) for _, _, message in rows)
+                if progress is not None:
+                    progress(finished, len(self.design), failed)
+        finally:
+            store.close()
+        return SweepResult(store.finish(), len(self.design), len(missing), failed)
+
+
+def _default_metrics(scene: Scene) -> list[str]:
+    system = scene.check()
+    paths = list(scene.needs.errors) or [
+        ".".join(port) for port in system.recorded if system.variable(port).kind == "Real"
+    ]
+    return [text for path in paths[:6] for text in (f"final({path})", f"max(abs({path}))")]

@@ -1,0 +1,157 @@
+"""Where a sweep's rows go: a CSV that grows row by row, and Parquet from it at the end."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ...cosim.files import write_whole
+from ...errors import CurveboundError
+from .task import Row
+
+__all__ = ["Store", "read_sweep"]
+
+
+class Store:
+    """The rows of a sweep on disk.
+
+    out: FILE.csv, or FILE.parquet: the rows then stream to FILE.csv.part beside it.
+    identity: of the sweep; a file of another sweep is not touched.
+    columns: paths that vary, then metrics.
+    """
+
+    def __init__(
+        self, out: Path, identity: str, paths: Sequence[str], metrics: Sequence[str]
+    ) -> None:
+        self.out = out
+        self.parquet = out.suffix == ".parquet"
+        if not self.parquet and out.suffix != ".csv":
+            raise CurveboundError(f"{out}: give a file name that ends in .csv or .parquet.")
+        if self.parquet:
+            from ..extras import require
+
+            require("parquet")
+        self.stream = out.with_suffix(".csv.part") if self.parquet else out
+        self.note = out.with_name(out.name + ".sweep.json")
+        self.identity = identity
+        self.paths = list(paths)
+        self.metrics = list(metrics)
+        self.header = ["point", *paths, *metrics, "message"]
+        self._file: Any = None
+        self._table: Any = None
+
+    def open(self, *, restart: bool = False) -> set[int]:
+        """Begin or go on; returns the numbers of the points that are done."""
+        done: set[int] = set()
+        kept: list[list[str]] = []
+        if restart:
+            self.stream.unlink(missing_ok=True)
+        elif self.stream.is_file():
+            if self._noted() != self.identity:
+                raise CurveboundError(
+                    f"{self.stream} is there and not of this sweep: choose another --out, or "
+                    "--restart to overwrite it."
+                )
+            kept = self._whole_rows()
+            done = {int(row[0]) for row in kept}
+        elif self.parquet and self.out.is_file() and self._noted() == self.identity:
+            raise CurveboundError(f"{self.out} is complete; --restart makes it anew.")
+        self.stream.parent.mkdir(parents=True, exist_ok=True)
+        # rewritten: a process that was killed may have left half a row
+        write_whole(self.stream, lambda path: _write(path, [self.header, *kept]))
+        note = json.dumps({"identity": self.identity}) + "\n"
+        write_whole(self.note, lambda path: path.write_text(note, encoding="utf-8"))
+        self._file = self.stream.open("a", newline="", encoding="utf-8")
+        self._table = csv.writer(self._file, lineterminator="\n")
+        return done
+
+    def _noted(self) -> str:
+        with suppress(OSError, ValueError, KeyError):
+            return str(json.loads(self.note.read_text(encoding="utf-8"))["identity"])
+        return ""
+
+    def _whole_rows(self) -> list[list[str]]:
+        text = self.stream.read_text(encoding="utf-8")
+        complete = text[: text.rfind("\n") + 1]
+        rows = list(csv.reader(complete.splitlines()))
+        return [row for row in rows[1:] if len(row) == len(self.header) and row[0].isdigit()]
+
+    def add(self, rows: Iterable[Row], points: Any) -> None:
+        """Append rows and let them reach the disk."""
+        for number, values, message in rows:
+            point = points[number]
+            self._table.writerow(
+                [
+                    number,
+                    *(_cell(point[path]) for path in self.paths),
+                    *(_cell(value) for value in values),
+                    " ".join(message.split()),
+                ]
+            )
+        self._file.flush()
+
+    def close(self) -> None:
+        """Keep what is there, for another time."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def finish(self) -> Path:
+        """All points are done: rows in their order; returns the file."""
+        self.close()
+        rows = sorted(self._whole_rows(), key=lambda row: int(row[0]))
+        if not self.parquet:
+            return write_whole(self.out, lambda path: _write(path, [self.header, *rows]))
+        import importlib
+
+        pyarrow = importlib.import_module("pyarrow")
+        parquet = importlib.import_module("pyarrow.parquet")
+
+        columns: dict[str, Any] = {}
+        for i, name in enumerate(self.header):
+            column = [row[i] for row in rows]
+            columns[name] = column if name == "message" else _typed(name, column)
+        write_whole(self.out, lambda path: parquet.write_table(pyarrow.table(columns), path))
+        self.stream.unlink()
+        return self.out
+
+
+def _write(path: Path, rows: Iterable[Sequence[Any]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    return repr(float(value)) if isinstance(value, int | float) else str(value)
+
+
+def _typed(name: str, column: list[str]) -> list[Any]:
+    if name == "point":
+        return [int(text) for text in column]
+    try:
+        return [float(text) if text else None for text in column]
+    except ValueError:
+        return column
+
+
+def read_sweep(path: Path) -> tuple[list[str], list[list[Any]]]:
+    """Header and rows of a sweep's CSV; numbers as floats, NaN where a point failed."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    if not rows or rows[0][:1] != ["point"]:
+        raise CurveboundError(f"{path} is no table of a sweep.")
+    header = rows[0]
+    columns = []
+    for i, name in enumerate(header):
+        column = _typed(name, [row[i] for row in rows[1:]]) if name != "message" else (
+            [row[i] for row in rows[1:]]
+        )
+        columns.append([math.nan if value is None else value for value in column])
+    return header, [list(row) for row in zip(*columns, strict=True)]

@@ -1,0 +1,165 @@
+"""Sweeps: designs, metrics, resuming, failed points, dying workers."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from curvebound.errors import CurveboundError
+from curvebound.study.sweep import Design, Metric, Sweep, axis
+from curvebound.study.sweep.local import _Pool
+
+DAMPING = "bead.bead.damping=0:1:{}"
+METRICS = ["final(bead.bead.y)", "max(abs(bead.bead.x))"]
+
+
+def rows_of(path: Path) -> list[list[str]]:
+    with path.open(newline="") as file:
+        return list(csv.reader(file))
+
+
+def sweep(points: int = 6, vary: str = DAMPING) -> Sweep:
+    return Sweep(
+        "bead_on_wire", Design([axis(vary.format(points))]), METRICS, changes={"stop_time": 1.0}
+    )
+
+
+def test_grid_visits_every_combination_once_with_exact_ends() -> None:
+    design = Design([axis("a.x=1:100:3:log"), axis("a.y=0:1:4"), axis("a.m=rk4,adaptive")])
+    points = list(design)
+    assert len(design) == len(points) == 24
+    assert len({tuple(p.values()) for p in points}) == 24
+    assert sorted({p["a.x"] for p in points}) == pytest.approx([1.0, 10.0, 100.0], rel=1e-14)
+    assert {p["a.y"] for p in points} >= {0.0, 1.0}
+
+
+def test_latin_hypercube_has_one_point_in_each_slice() -> None:
+    design = Design([axis("a.x=0:1"), axis("a.y=0:1")], latin=50, seed=3)
+    for path in ("a.x", "a.y"):
+        slices = sorted(int(50 * float(p[path])) for p in design)
+        assert slices == list(range(50))
+    again = Design([axis("a.x=0:1"), axis("a.y=0:1")], latin=50, seed=3)
+    assert list(again) == list(design)
+
+
+@pytest.mark.parametrize("text", ["a", "a.x=", "a.x=1:2:0", "a.x=-1:2:3:log", "a.x=1:nan:3"])
+def test_a_bad_axis_is_refused(text: str) -> None:
+    with pytest.raises(CurveboundError, match="--vary"):
+        axis(text)
+
+
+DATA = np.array(
+    [(0.0, 1.0, -3.0), (1.0, 2.0, 4.0), (2.0, 4.0, 0.0)],
+    dtype=[("time", float), ("a.x", float), ("a.b.y", float)],
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("max(abs(a.b.y))", 4.0),
+        ("final(a.x) - first(a.x)", 3.0),
+        ("at(a.x, 1.5)", 3.0),
+        ("when(a.x > 1.5)", 1.0),
+        ("rms(a.b.y)", math.sqrt(25.0 / 3.0)),
+        ("span(a.x) ** 2 / 3", 3.0),
+    ],
+)
+def test_metric(text: str, value: float) -> None:
+    assert Metric(text)(DATA) == pytest.approx(value, rel=1e-14)
+
+
+def test_metric_of_nothing_that_holds_is_nan() -> None:
+    assert math.isnan(Metric("when(a.x > 9)")(DATA))
+
+
+@pytest.mark.parametrize(
+    "text", ["__import__('os')", "a.x.__class__()", "open", "max(a.x, 1)", "[a.x]", "max("]
+)
+def test_a_metric_that_says_more_than_arithmetic_is_refused(text: str) -> None:
+    with pytest.raises(CurveboundError, match="metric"):
+        Metric(text)
+
+
+def test_a_metric_that_is_no_single_number_says_what_to_do() -> None:
+    with pytest.raises(CurveboundError, match="wrap it"):
+        Metric("a.x + 1")(DATA)
+
+
+def test_an_interrupted_sweep_goes_on_and_ends_the_same(tmp_path: Path) -> None:
+    whole = sweep().run(tmp_path / "whole.csv", workers=1)
+    part = tmp_path / "part.csv"
+    lines = whole.path.read_text().splitlines(keepends=True)
+    sweep().run(part, workers=1)
+    part.write_text("".join(lines[:4]) + lines[4][:7])  # killed in the middle of a row
+    result = sweep().run(part, workers=1)
+    assert result.run == 3
+    assert part.read_bytes() == whole.path.read_bytes()
+
+
+def test_the_file_of_another_sweep_is_left_alone(tmp_path: Path) -> None:
+    out = tmp_path / "a.csv"
+    out.write_text("point,mine\n")
+    with pytest.raises(CurveboundError, match="--restart"):
+        sweep().run(out)
+    assert out.read_text() == "point,mine\n"
+
+
+def test_a_failed_point_is_a_row_with_its_message(tmp_path: Path) -> None:
+    result = sweep(3, "bead.wire.radius=-1:1:{}").run(tmp_path / "a.csv", workers=1)
+    rows = rows_of(result.path)[1:]
+    assert result.failed == 2
+    assert [bool(row[-1]) for row in rows] == [True, True, False]
+    assert "wire.radius = -1.0" in rows[0][-1]
+    assert rows[2][2] != ""
+
+
+def test_a_killed_worker_loses_no_point() -> None:
+    made = sweep(40)
+    pool = _Pool(made.task, [(i, made.design[i]) for i in range(40)], 2)
+    found: list[int] = []
+    killed = False
+    try:
+        for rows in pool.run():
+            found += [number for number, _, message in rows if not message]
+            if not killed and len(found) >= 4:
+                victim = next(w for w in pool.workers if w.process.is_alive())
+                os.kill(victim.process.pid, signal.SIGKILL)  # one that this test started
+                killed = True
+    finally:
+        pool.stop()
+    assert killed
+    assert pool.deaths >= 1
+    assert sorted(found) == list(range(40))
+
+
+@pytest.mark.slow
+def test_a_killed_worker_of_a_cluster_loses_no_point(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    made = sweep(60)
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        killed: list[int] = []
+
+        def kill(done: int, count: int, failed: int) -> None:
+            if done >= 5 and not killed:
+                worker = next(iter(cluster.workers.values()))
+                killed.append(worker.pid)
+                os.kill(worker.pid, signal.SIGKILL)  # the cluster of this test
+
+        result = made.run(
+            tmp_path / "a.csv", scheduler=cluster.scheduler_address, progress=kill
+        )
+    assert killed
+    rows = rows_of(result.path)[1:]
+    assert [int(row[0]) for row in rows] == list(range(60))
+    assert not any(row[-1] for row in rows)
+    alone = sweep(60).run(tmp_path / "b.csv", workers=1)
+    assert alone.path.read_bytes() == result.path.read_bytes()
