@@ -154,9 +154,7 @@ def test_a_killed_worker_of_a_cluster_loses_no_point(tmp_path: Path) -> None:
                 killed.append(worker.pid)
                 os.kill(worker.pid, signal.SIGKILL)  # the cluster of this test
 
-        result = made.run(
-            tmp_path / "a.csv", scheduler=cluster.scheduler_address, progress=kill
-        )
+        result = made.run(tmp_path / "a.csv", scheduler=cluster.scheduler_address, progress=kill)
     assert killed
     rows = rows_of(result.path)[1:]
     assert [int(row[0]) for row in rows] == list(range(60))

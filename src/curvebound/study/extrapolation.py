@@ -78,9 +78,7 @@ def _step(rates: Rates, time: Any, h: Any, state: Array) -> tuple[Array | None, 
     return None, _COLUMNS
 
 
-def _midpoint(
-    rates: Rates, time: Any, h: Any, state: Array, first: Array, count: int
-) -> Array:
+def _midpoint(rates: Rates, time: Any, h: Any, state: Array, first: Array, count: int) -> Array:
     """`count` steps of the midpoint rule over h."""
     part = h / count
     before, now = state, state + part * first

@@ -67,7 +67,7 @@ def _number(value: Any) -> str:
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[Any]], words: Sequence[int] = (0,)) -> str:
     def cell(tag: str, i: int, text: str) -> str:
-        return f'<{tag}{" class=w" if i in words else ""}>{text}</{tag}>'
+        return f"<{tag}{' class=w' if i in words else ''}>{text}</{tag}>"
 
     lines = ["<tr>" + "".join(cell("th", i, html.escape(h)) for i, h in enumerate(head)) + "</tr>"]
     for row in rows:

@@ -135,9 +135,7 @@ class Study:
                     before = row
                     done += 1
                 done = done_before + len(family.settings)
-        for structure, simpler in zip(
-            self.space.structures, self.space.approximate, strict=True
-        ):
+        for structure, simpler in zip(self.space.structures, self.space.approximate, strict=True):
             if simpler:
                 model = self.space.model(Setting(structure, "", None, 1.0, ""))
                 self.references.append(_described(truths, model, "simpler model"))

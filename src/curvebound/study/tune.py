@@ -331,14 +331,9 @@ class Tuner:
         if not found:
             return []
         tell("timing")
-        probes = {
-            str(i): (lambda c=c: self.runner.cost(c.setting)) for i, c in enumerate(found)
-        }
+        probes = {str(i): (lambda c=c: self.runner.cost(c.setting)) for i, c in enumerate(found)}
         samples = interleave(probes, 3)
-        return [
-            replace(c, cpu=median(samples[str(i)]))
-            for i, c in enumerate(found)
-        ]
+        return [replace(c, cpu=median(samples[str(i)])) for i, c in enumerate(found)]
 
     def _decide(
         self, timed: list[Candidate], tried: list[Candidate], bounds: Mapping[str, float]
@@ -419,9 +414,7 @@ class Tuner:
         self, bounds: Mapping[str, float], tried: list[Candidate], tell: Callable[[str], None]
     ) -> Setting:
         """Macro step and algorithm; a setting whose integration is as good as exact."""
-        base = Setting(
-            self.space.structures[0], "adaptive", 1e-11, self.step, self.scene.algorithm
-        )
+        base = Setting(self.space.structures[0], "adaptive", 1e-11, self.step, self.scene.algorithm)
         if not (self.sampled and self.continuous):
             return base
         options: list[tuple[float, Setting]] = []

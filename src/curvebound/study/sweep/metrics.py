@@ -96,9 +96,7 @@ class Metric:
             self._check(node.right)
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
             self._check(node.operand)
-        elif (
-            isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in _COMPARE
-        ):
+        elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in _COMPARE:
             self._check(node.left)
             self._check(node.comparators[0])
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:

@@ -150,8 +150,10 @@ def read_sweep(path: Path) -> tuple[list[str], list[list[Any]]]:
     header = rows[0]
     columns = []
     for i, name in enumerate(header):
-        column = _typed(name, [row[i] for row in rows[1:]]) if name != "message" else (
-            [row[i] for row in rows[1:]]
+        column = (
+            _typed(name, [row[i] for row in rows[1:]])
+            if name != "message"
+            else ([row[i] for row in rows[1:]])
         )
         columns.append([math.nan if value is None else value for value in column])
     return header, [list(row) for row in zip(*columns, strict=True)]
