@@ -187,10 +187,13 @@ class Engine:
         self.mode = TERMINATED
         return True
 
-    def start(self) -> str:
-        """Check every parameter and start the system; returns a message if something is wrong."""
+    def start(self, restoring: bool = False) -> str:
+        """Check every parameter and start the system; returns a message if something is wrong.
+
+        `restoring` a state, tunable parameters are left to the check before the next step.
+        """
         for vr in range(self.table.first_input):
-            message = self.outside_domain(vr)
+            message = "" if restoring and self.table.tunable[vr] else self.outside_domain(vr)
             if message:
                 return message
         reals, choices = self.parameters()
@@ -490,9 +493,9 @@ class Engine:
         self.tolerance = head[3]
         self.reals[: table.first_output] = state[1]
         self.integers[: table.first_input] = integers
-        if mode != INSTANTIATED:
-            if not same:
-                self.start()
+        # Parameters set during initialization may have made a start impossible: then there is no
+        # system to restore either, and the end of initialization will say so.
+        if mode != INSTANTIATED and (same or not self.start(restoring=True)):
             self.restore_system(state[3:])
         self.stale = head[4] != 0.0
         self.pending = True
