@@ -1,0 +1,125 @@
+"""Settings, tuning and writing a choice."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from curvebound.cosim import load_scene
+from curvebound.errors import CurveboundError
+from curvebound.study.grid import grid
+from curvebound.study.settings import space_of
+from curvebound.study.starts import initial_values, surrounding, unseen
+from curvebound.study.study import Study
+from curvebound.study.teach import order_of
+from curvebound.study.tune import Tuner
+from curvebound.study.write import choice_block, put_choice, script_of
+
+pytest.importorskip("mpmath")
+
+
+def test_exact_is_offered_with_the_linear_model_only() -> None:
+    space = space_of(load_scene("pendulum_small").check())
+    exact = [f for f in space.families(0.01, "gauss_seidel") if f.method == "exact"]
+    assert [f.form for f in exact] == ["linear"]
+    kept = space_of(load_scene("bead_on_wire").check(), {"bead.model.formulation": "angle"})
+    assert [dict(s)["bead.model.formulation"] for s in kept.structures] == ["angle"]
+
+
+def test_starts_stay_within_their_range() -> None:
+    system = load_scene("pendulum_large").check()
+    own = initial_values(system)
+    for found in (surrounding(system, 0.2, 12), unseen(system, 0.2, 30)):
+        for path, values in found.items():
+            assert max(abs(values / own[path] - 1.0)) <= 0.2 + 1e-12
+
+
+@pytest.fixture(scope="module")
+def short() -> Tuner:
+    scene = load_scene("bead_on_wire")
+    scene.stop_time = 2.0
+    tuner = Tuner(scene, list(scene.needs.errors), starts=4)
+    yield tuner
+    tuner.close()
+
+
+@pytest.mark.parametrize("bound", [1e-4, 1e-9])
+def test_the_choice_meets_its_bound_from_fresh_starts(short: Tuner, bound: float) -> None:
+    limits = dict.fromkeys(short.paths, bound)
+    choice = short.tune(limits)
+    assert choice.chosen is not None
+    assert choice.runs < 400
+    from curvebound.study.truth import Truths
+
+    fresh = unseen(short.system, 0.2, 5)
+    checks = Truths(short.system, short.space, short.paths, changes=fresh)
+    for member in range(5):
+        start = {path: float(values[member]) for path, values in fresh.items()}
+        outcome = short.runner.glance(choice.chosen.setting, start)
+        verdicts = checks.errors(outcome.times, outcome.outputs, member=member, least=limits)
+        assert max(v.worst for v in verdicts.values()) <= bound
+
+
+def test_where_nothing_fits_it_says_by_how_much(
+    short: Tuner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(short, "limit", 0.05)
+    choice = short.tune(dict.fromkeys(short.paths, 1e-17))
+    assert choice.chosen is None
+    assert choice.best.miss > 1.0
+    assert choice.advice
+
+
+def test_a_budget_that_cannot_be_kept_is_said(short: Tuner) -> None:
+    choice = short.tune(dict.fromkeys(short.paths, 1e-6), budget=1e-9)
+    assert choice.chosen is not None
+    assert not choice.within_budget
+
+
+def test_a_choice_is_written_once_and_replaced(short: Tuner, tmp_path: Path) -> None:
+    from curvebound.places import scenarios_directory
+
+    script = tmp_path / "mine.py"
+    script.write_text((scenarios_directory() / "bead_on_wire.py").read_text())
+    for method, size in (("rk4", 1e-3), ("adaptive", 1e-7)):
+        setting = short.space.families(0.02, "gauss_seidel")[0].__class__(
+            short.space.structures[0], method, size, 0.02, "gauss_seidel"
+        )
+        put_choice(script, choice_block(short.scene, short.space, setting, ["a remark"]))
+    text = script.read_text()
+    assert text.count("chosen by") == 1
+    assert text.index("chosen by") < text.index("__main__")
+    start = load_scene(script).components["bead"].start
+    assert start["solver.method"] == "adaptive"
+    assert start["model.formulation"] == "angle"
+    assert load_scene(script).step == 0.02
+    with pytest.raises(CurveboundError, match=r"\.ssp"):
+        script_of("a.ssp")
+
+
+def test_a_study_resumes_and_finds_the_order(tmp_path: Path) -> None:
+    scene = load_scene("bead_on_wire")
+    scene.stop_time = 0.5
+    journal = tmp_path / "study.jsonl"
+
+    class Enough(KeyboardInterrupt):
+        pass
+
+    def stop_at(done: int, count: int, label: str) -> None:
+        if done >= 12:
+            raise Enough
+
+    first = Study.of(scene, quick=True, limit=0.01)
+    with pytest.raises(Enough):
+        first.run(journal, stop_at)
+    kept = len(journal.read_text().splitlines()) - 1
+    assert 0 < kept == len(first.rows)
+    second = Study.of(scene, quick=True, limit=0.01)
+    second.run(journal)
+    assert second.complete
+    assert [r["key"] for r in second.rows[:kept]] == [r["key"] for r in first.rows]
+    assert second.rows[0]["cpu"] == first.rows[0]["cpu"]  # not measured again
+    assert order_of(second.rows, "angle", "rk4") == pytest.approx(4.0, abs=0.2)
+    sizes = sum(len(f.settings) for f in grid(scene, second.space, quick=True))
+    assert len(second.rows) <= sizes
