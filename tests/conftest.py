@@ -26,6 +26,15 @@ def _built(folder: Path, *, compiled: bool) -> Path:
     return folder
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _same_sys_path() -> Iterator[None]:
+    """PythonFMU's wrapper puts a folder into sys.path for each instance: other modules' tests, and
+    the processes they start, shall not search a thousand deleted folders at every import."""
+    before = sys.path[:]
+    yield
+    sys.path[:] = before
+
+
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of the three built FMUs, compiled where a C compiler is found."""
