@@ -771,6 +771,11 @@ static bool load(Text *why)
 #undef FIND
         if (!complete)
             append(why, "PythonFMU's library could not be loaded: %s", error ? error : "unknown reason");
+        /* At exit the wrapper frees its interpreter's state, and after that gives it up a second time:
+         * what it then decrements may be anybody's. Having given it up before, it does neither. */
+        void (*give_up)(void) = complete ? dlsym(library, "finalizePythonInterpreter") : NULL;
+        if (give_up)
+            atexit(give_up);
         loaded = complete;
     }
     bool done = loaded;

@@ -7,7 +7,11 @@ no other way to surface.
 
 from __future__ import annotations
 
+import atexit
+import contextlib
+import ctypes
 import json
+import os
 import sys
 import zlib
 from typing import TYPE_CHECKING, Any
@@ -25,16 +29,30 @@ __all__ = ["Slave", "StateError", "hold", "table_of"]
 
 _KINDS = (PARAMETER, CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, COUNT)
 _TABLES: dict[int, Table] = {}
-_HELD: list[object] = []
+_SETTLED: set[str] = set()
 
 
 def hold(namespace: dict[str, object]) -> None:
-    """Take one more reference to a main module's namespace.
+    """Take one more reference to a main module's namespace, for ever.
 
     PythonFMU 0.7.0's wrapper releases a reference that it does not own each time it instantiates;
     without this the namespace would be freed while in use.
     """
-    _HELD.append(namespace)
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(namespace))
+
+
+def settle(binary: str) -> None:
+    """Let PythonFMU's wrapper give up its interpreter's state when Python ends.
+
+    At the end of the process PythonFMU 0.7.0's wrapper frees that state, and after that gives it up
+    a second time, in memory that may be anybody's; having given it up before, it does neither.
+    """
+    if binary in _SETTLED:
+        return
+    _SETTLED.add(binary)
+    # without it: a wrapper at another place, or of another make
+    with contextlib.suppress(OSError, AttributeError):
+        atexit.register(ctypes.CDLL(binary, mode=os.RTLD_NOLOAD).finalizePythonInterpreter)
 
 
 class InitializationError(Exception):
@@ -85,6 +103,9 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         resources = self.resources
         if resources and sys.path.count(resources) > 1:
             sys.path.remove(resources)
+        if resources and sys.platform == "linux" and "linux" not in self.forwarded:
+            folder = os.path.dirname(resources)
+            settle(os.path.join(folder, "binaries", "linux64", f"{self.modelName}.so"))
 
     # -- called by the wrapper ---------------------------------------------------------------------
     def do_step(self, current_time: float, step_size: float) -> bool:
