@@ -11,7 +11,9 @@ from typing import Final
 
 from ..models.base import Model
 from .base import DONE, NOT_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS, Method
+from .elapsed import Elapsed
 from .lobatto import Collocation
+from .stiff import Stiff, is_stiff
 
 __all__ = ["Adaptive"]
 
@@ -26,10 +28,16 @@ MOST_SHRINKING: Final = 0.2
 LEAST_ERROR: Final = 1e-8
 #: error of a step in units of the tolerance, so that over many steps the sum keeps to the tolerance
 SHARE: Final = 0.1
-#: a relative tolerance below this is rounding
-LEAST_TOLERANCE: Final = 1e-15
-#: smallest step relative to the communication step
-RESOLUTION: Final = 1e-14
+#: an error of a step below this is rounding
+LEAST_SHARE: Final = 1e-16
+#: smallest step relative to the communication step, and that below which the state has to move
+RESOLUTION: Final = 1e-22
+SHORT: Final = 1e-14
+#: part of the communication step in which a motion that counts has to show
+SPAN: Final = 1e-3
+#: steps after which one in REJECTS rejected is a reason to try stiff ones; then twice as many
+FIRST_TRIAL: Final = 60
+REJECTS: Final = 8
 LARGEST: Final = 1e300
 
 
@@ -51,7 +59,10 @@ class Adaptive(Method):
         self.wished: float = 0.0
         #: logarithm of the last accepted error in units of the tolerance
         self.log_error: float = 0.0
+        self.stiff = Stiff()
+        self.elapsed = Elapsed()
         self.kept = Collocation()
+        self.kept_stiff: float = 0.0
         self.kept_wished: float = 0.0
         self.kept_log_error: float = 0.0
 
@@ -60,31 +71,36 @@ class Adaptive(Method):
         self.collocation = Collocation()
         self.wished = 0.0
         self.log_error = 0.0
+        self.stiff.wished = 0.0
 
     def keep(self) -> None:
         self.kept.take(self.collocation)
         self.kept_wished = self.wished
         self.kept_log_error = self.log_error
+        self.kept_stiff = self.stiff.wished
 
     def undo(self) -> None:
         self.collocation.take(self.kept)
         self.wished = self.kept_wished
         self.log_error = self.kept_log_error
+        self.stiff.wished = self.kept_stiff
 
     def get_state(self) -> list[float]:
-        return [self.wished, self.log_error, *self.collocation.get_state()]
+        return [self.wished, self.log_error, self.stiff.wished, *self.collocation.get_state()]
 
     def set_state(self, state: list[float]) -> None:
-        self.wished, self.log_error = state[:2]
-        self.collocation.set_state(state[2:])
+        self.wished, self.log_error, self.stiff.wished = state[:3]
+        self.collocation.set_state(state[3:])
 
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
     ) -> int:
         self.keep()
         self.collocation.sweeps = 0
+        self.stiff.begin()
         outcome = self.reach(model, duration, tolerance, max_steps)
-        self.evaluations += 7 * self.collocation.sweeps
+        self.evaluations += 7 * self.collocation.sweeps + self.stiff.evaluations
+        self.steps += self.stiff.steps
         if outcome != DONE:
             self.undo()
         return outcome
@@ -93,8 +109,9 @@ class Adaptive(Method):
         """The steps of advance()."""
         collocation = self.collocation
         settles = model.settles
-        share = SHARE * max(tolerance, LEAST_TOLERANCE)
-        least = duration * RESOLUTION
+        share = max(SHARE * tolerance / model.magnification, LEAST_SHARE)
+        least = duration * SHORT
+        collocation.span = SPAN * duration
         a0, a1 = model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
         self.evaluations += 1
         if not math.fabs(a0) + math.fabs(a1) <= LARGEST:
@@ -102,11 +119,41 @@ class Adaptive(Method):
             return NOT_FINITE
         if self.wished <= 0.0:
             self.wished = first_step(model, a0, a1, duration, share)
-        t = 0.0
+        elapsed = self.elapsed
+        elapsed.reset()
+        stiff = self.stiff
         rejected = False
-        for _ in range(max_steps):
+        tries = rejections = since = 0
+        trial = FIRST_TRIAL
+        if stiff.pays(self.wished, duration):
+            trial = 0
+        while tries + stiff.tries < max_steps:
+            if tries >= trial:
+                if (
+                    trial == 0
+                    or REJECTS * rejections >= tries - since
+                    or is_stiff(model, elapsed.t, self.wished, a0, a1)
+                ):
+                    outcome = stiff.go_on(
+                        model, elapsed, duration, self.wished, share, max_steps - tries
+                    )
+                    # what comes next has nothing to extrapolate from
+                    collocation.h = 0.0
+                    if outcome != DONE:
+                        self.reached = stiff.reached
+                        return outcome
+                    t = elapsed.t
+                    if t >= duration:
+                        return DONE
+                    a0, a1 = model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+                    self.evaluations += 1
+                since = tries
+                trial = max(FIRST_TRIAL, 2 * tries)
+                rejections = 0
+            tries += 1
+            t = elapsed.t
             wished = self.wished
-            remaining = duration - t
+            remaining = elapsed.left(duration)
             h = wished
             ends = h >= remaining
             if ends:
@@ -132,8 +179,9 @@ class Adaptive(Method):
                     model.settle(h)
                 if ends:
                     return DONE
-                t += h
+                elapsed.add(h)
                 if settles:
+                    t = elapsed.t
                     a0, a1 = model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
                     self.evaluations += 1
                 else:
@@ -141,16 +189,25 @@ class Adaptive(Method):
                     a1 = collocation.b7
             else:
                 rejected = True
+                rejections += 1
                 if error <= LARGEST:
                     shrinking = max(SAFETY * math.exp(-PRESENT * math.log(error)), MOST_SHRINKING)
                 else:
                     shrinking = 0.5
                 self.wished = h * shrinking
-                if self.wished < least:
+                if self.wished < least and (
+                    self.wished < duration * RESOLUTION or stands(model, self.wished, a0, a1)
+                ):
                     self.reached = self.wished
                     return STEP_TOO_SMALL
         self.reached = self.wished
         return TOO_MANY_STEPS
+
+
+def stands(model: Model, h: float, a0: float, a1: float) -> bool:
+    """Whether a step of h s is lost in the rounding of the state."""
+    q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+    return q0 + h * v0 == q0 and q1 + h * v1 == q1 and v0 + h * a0 == v0 and v1 + h * a1 == v1
 
 
 def first_step(model: Model, a0: float, a1: float, duration: float, tolerance: float) -> float:

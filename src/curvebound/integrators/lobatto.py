@@ -146,6 +146,11 @@ FASTEST: Final = 0.003
 PRESUMED: Final = 0.1
 #: changes below this, relative, are rounding
 ROUNDING: Final = 5e-16
+EPSILON: Final = 2.220446049250313e-16
+TINY: Final = 1e-300
+#: a rate that moves its coordinate by less than this part of it within the step (or span, if that
+#: is longer) counts as rest
+RESTING: Final = 1e-6
 #: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
 LARGEST: Final = 1e300
 
@@ -174,6 +179,8 @@ class Collocation:
         self.h: float = 0.0
         #: factor by which its last sweep reduced the change
         self.contraction: float = SLOWEST
+        #: s, time in which a motion that counts has to show, set by the caller
+        self.span: float = 0.0
         #: sweeps made, for the caller to count
         self.sweeps: int = 0
 
@@ -210,7 +217,7 @@ class Collocation:
     ) -> float:
         """Try a step of h s from time t (s), where the acceleration is (a0, b0).
 
-        Returns the estimated error relative to the fastest rate of the motion: up to `tolerance`
+        Returns the estimated error relative to the rates of the coordinates: up to `tolerance`
         the model's state and work have been advanced, else they are as before. Infinite: the
         sweeps, which converge to `tolerance` too, diverge. Lets the model's ArithmeticError and
         ValueError pass.
@@ -236,12 +243,17 @@ class Collocation:
         y7, u7 = end(q0, v0, h, a0, a1, a2, a3, a4, a5, a6, a7)
         if two:
             x7, w7 = end(q1, v1, h, b0, b1, b2, b3, b4, b5, b6, b7)
-        # the fastest relative rate, 1/s; never less than what moves q by its scale within 1000 h
-        rate0 = (max(math.fabs(v0), math.fabs(u7)) + h * math.fabs(a0)) / model.q0_scale
-        rate1 = (max(math.fabs(v1), math.fabs(w7)) + h * math.fabs(b0)) / model.q1_scale
-        rate = max(max(rate0, rate1), 1e-3 / h)
-        scale0 = 1.0 / (rate * model.q0_scale)
-        scale1 = 1.0 / (rate * model.q1_scale)
+        # sizes of the rates, each for itself as far as the model's coupling says
+        scale0 = max(math.fabs(v0), math.fabs(u7)) + h * math.fabs(a0)
+        scale1 = max(math.fabs(v1), math.fabs(w7)) + h * math.fabs(b0)
+        per = model.q0_scale / model.q1_scale
+        period = max(h, self.span)
+        rest0 = RESTING * max(math.fabs(q0), RESTING * model.q0_scale) / period
+        rest1 = RESTING * max(math.fabs(q1), RESTING * model.q1_scale) / period
+        rest0 = max(rest0, model.coupling * per * scale1)
+        rest1 = max(rest1, model.coupling * scale0 / per)
+        scale0 = 1.0 / max(scale0, rest0)
+        scale1 = 1.0 / max(scale1, rest1)
         contraction = self.contraction
         change = 0.0
         error = 0.0
@@ -342,8 +354,16 @@ class Collocation:
             done = left <= max(tolerance, ROUNDING)
             if not done:
                 if sweep > 1 and contraction > SLOWEST:
-                    return math.inf
-                if sweep != 1:
+                    # what the rounding of the coordinates makes of the accelerations
+                    noise = math.fabs(a7 - a0) * scale0 + math.fabs(b7 - b0) * scale1
+                    noise *= EPSILON * h * max(
+                        math.fabs(q0) / (math.fabs(y7 - q0) + TINY),
+                        math.fabs(q1) / (math.fabs(x7 - q1) + TINY),
+                    )
+                    if not change <= noise:
+                        return math.inf
+                    done = True
+                elif sweep != 1:
                     continue
             # known well enough after two sweeps to spare the further ones of too large a step
             error = tail(a0, a1, a2, a3, a4, a5, a6, a7) * scale0

@@ -48,6 +48,11 @@ class Model:
         #: natural magnitudes of q0 and q1, for error norms
         self.q0_scale: float = 1.0
         self.q1_scale: float = 1.0
+        #: part of one coordinate's rate, in its scale, below which the other's counts as rest: less
+        #: than 1 where each has to be right for itself
+        self.coupling: float = 1.0
+        #: by how much the motion can magnify errors before anything of it shows; for tolerances
+        self.magnification: float = 1.0
         #: whether power() can differ from zero with the present parameters, inputs and frame motion
         self.works: bool = False
         #: whether settle() has anything to do after an internal step

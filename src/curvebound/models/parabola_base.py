@@ -108,6 +108,8 @@ class ParabolaBase(FramedModel):
         #: X and G without its terms in u (m/s2)
         self.sway: float = 0.0
         self.lift: float = 0.0
+        #: magnification at the start
+        self.first_magnification: float = 1.0
         self.kept_a: tuple[float, float] = (0.0, 0.0)
 
     def remedy(self, trouble: str) -> str:
@@ -145,6 +147,8 @@ class ParabolaBase(FramedModel):
         self.v1 = parameters["pendulum.angular_velocity_start"]
         self.q0_scale = self.r
         self.q1_scale = 1.0
+        # a light slider or a short rod is right for itself too
+        self.coupling = 1e-6
         self.sway = -self.gx
         self.lift = -self.gy
         self.place()

@@ -35,6 +35,21 @@ class ParabolaNonlinear(ParabolaBase):
         # that starts with the speed for it, or has done so before.
         gravity = math.sqrt(self.gx * self.gx + self.gy * self.gy)
         self.settles = self.turns != 0.0 or self.v1 * self.v1 * self.r > 4.0 * gravity
+        self.first_magnification = self.magnifies()
+
+    def refresh(self) -> None:
+        super().refresh()
+        self.magnification = self.first_magnification
+        if self.reshapes and not self.is_linear:
+            # how steep it becomes is not known yet
+            self.magnification = max(self.first_magnification, 30.0 * self.magnifies())
+
+    def magnifies(self) -> float:
+        # By how much an error made now can count later. A light slider is thrown when the rod
+        # passes across the parabola, one that comes from high up when it passes the vertex: an
+        # error of the time at which that happens counts then.
+        slope = 2.0 * math.fabs(self.a * self.q0)
+        return max(1.0, self.m2 / self.m1) * max(1.0, slope)
 
     def acceleration(
         self, t: float, q0: float, q1: float, v0: float, v1: float

@@ -1,0 +1,309 @@
+"""One step of the seven-stage Radau IIA method, order 13, for motion that is stiff.
+
+L-stable collocation (Hairer, Wanner 1996, sec. IV.5) at the right Radau points, the accelerations
+K_i of the stages being the unknowns:
+
+    V_i = v + h sum_j A_ij K_j,    Q_i = q + c_i h v + h^2 sum_j B_ij K_j,    B = A A
+
+They are found by Newton's method with the model's Jacobian at every stage, so that the damping
+limits no step. The matrix is kept while the iteration converges well. The last two Legendre
+coefficients of the polynomial through the K_i measure the error.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from ..models.base import Model
+
+__all__ = ["STAGES", "Radau"]
+
+STAGES: Final = 7
+# fmt: off
+NODES: Final[list[float]] = [
+    0.029316427159784893, 0.1480785996684843, 0.3369846902811543, 0.5586715187715501,
+    0.7692338620300545, 0.9269456713197411, 1.0,
+]
+#: A by rows; the last are the weights of the new velocity
+A: Final[list[float]] = [
+    0.03754626499392133, -0.0140393345564604, 0.0103527896007423, -0.008158322540275011,
+    0.006388413879534685, -0.004602326779148656, 0.0018289425614706437,
+    0.08014759651561897, 0.08106206398589154, -0.021237992120711036, 0.014000291238817119,
+    -0.010234185730090163, 0.0071534651513645905, -0.0028126393724067235,
+    0.0720638469418819, 0.17106835498388662, 0.10961456404007211, -0.024619871728984055,
+    0.014760377043950817, -0.009575259396791401, 0.0036726783971383057,
+    0.07570512581982441, 0.15409015514217114, 0.2271077366732024, 0.11747818703702478,
+    -0.023810827153044174, 0.012709985533661206, -0.004608844281289633,
+    0.07391234216319184, 0.16135560761594242, 0.2068672415521042, 0.23700711534269422,
+    0.10308679353381345, -0.018854139152580447, 0.0058589009748887914,
+    0.07470556205979623, 0.1583072238724687, 0.21415342326720002, 0.21987784703186003,
+    0.19875212168063527, 0.06926550160550914, -0.00811600819772829,
+    0.07449423555601031, 0.15910211573365074, 0.21235188950297781, 0.22355491450728324,
+    0.19047493682211558, 0.1196137446126562, 0.02040816326530612,
+]
+#: Legendre coefficients of degree 6 and 5 of the polynomial through values at the nodes
+HIGHEST: Final[list[float]] = [
+    0.08678849688129067, -0.2850555093403964, 0.4967964255967085, -0.6563200757720513,
+    0.7108753061658264, -0.6183907659803575, 0.2653061224489796,
+]
+NEXT: Final[list[float]] = [
+    -0.23545886308724948, 0.6492304429323879, -0.7873737923346583, 0.5067122984583037,
+    8.06151367569484e-06, -0.3576079434008268, 0.22448979591836735,
+]
+# fmt: on
+
+
+def product(a: list[float]) -> list[float]:
+    """The square of a matrix of STAGES rows."""
+    return [
+        math.fsum([a[i * STAGES + k] * a[k * STAGES + j] for k in range(STAGES)])
+        for i in range(STAGES)
+        for j in range(STAGES)
+    ]
+
+
+B: Final[list[float]] = product(A)
+
+#: Newton corrections below this, relative, are rounding
+ROUNDING: Final = 1e-14
+#: corrections below this that shrink no more are the noise of the model's own arithmetic
+NOISE: Final = 1e-8
+#: the contraction beyond which the matrix is made anew, and the most that is made of it
+SLOW: Final = 0.05
+MOST_ITERATIONS: Final = 15
+LARGEST: Final = 1e300
+#: a rate that moves its coordinate by less than this part of it within the step counts as rest
+RESTING: Final = 1e-4
+
+
+class Radau:
+    """The step, and room for it to work in: it remembers nothing."""
+
+    def __init__(self) -> None:
+        #: of the equations of motion and their Jacobian, for the caller to count
+        self.evaluations: int = 0
+        # accelerations at the stages
+        self.a: list[float] = [0.0] * STAGES
+        self.b: list[float] = [0.0] * STAGES
+        # stages: coordinates and rates
+        self.x0: list[float] = [0.0] * STAGES
+        self.x1: list[float] = [0.0] * STAGES
+        self.w0: list[float] = [0.0] * STAGES
+        self.w1: list[float] = [0.0] * STAGES
+        #: residuals, then corrections
+        self.r: list[float] = [0.0] * (2 * STAGES)
+        #: the factorised Newton matrix by rows, and its row exchanges
+        self.m: list[float] = [0.0] * (4 * STAGES * STAGES)
+        self.rows: list[int] = [0] * (2 * STAGES)
+
+    def step(self, model: Model, t: float, h: float, bound: float) -> float:
+        """Try a step of h s from time t.
+
+        Returns the size of the polynomial's tail relative to the rates: up to `bound` the model's
+        state and work have been advanced, else they are as before. Infinite: no convergence.
+        """
+        a = self.a
+        b = self.b
+        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        for i in range(STAGES):
+            a[i] = b[i] = 0.0
+        if not self.solve(model, t, h):
+            return math.inf
+        w0 = self.w0
+        w1 = self.w1
+        # sizes of the rates: what they are, become, or move the coordinates by in rounding
+        c0 = model.q0_scale
+        c1 = model.q1_scale
+        s0 = max(math.fabs(v0), math.fabs(w0[STAGES - 1]))
+        s1 = max(math.fabs(v1), math.fabs(w1[STAGES - 1]))
+        s0 += RESTING * max(math.fabs(q0), 1e-6 * c0) / h
+        s1 += RESTING * max(math.fabs(q1), 1e-6 * c1) / h
+        high0 = next0 = high1 = next1 = 0.0
+        for i in range(STAGES):
+            high0 += HIGHEST[i] * a[i]
+            next0 += NEXT[i] * a[i]
+            high1 += HIGHEST[i] * b[i]
+            next1 += NEXT[i] * b[i]
+        tail0 = h * max(math.fabs(high0), math.fabs(next0))
+        tail1 = h * max(math.fabs(high1), math.fabs(next1))
+        rest0 = model.coupling * s1 * c0 / c1
+        rest1 = model.coupling * s0 * c1 / c0
+        size = max(tail0 / max(s0, rest0), tail1 / max(s1, rest1))
+        if not size <= bound:
+            return size if size <= LARGEST else math.inf
+        if model.works:
+            work = 0.0
+            last = STAGES * (STAGES - 1)
+            for i in range(STAGES):
+                power = model.power(
+                    t + NODES[i] * h, self.x0[i], self.x1[i], w0[i], w1[i], a[i], b[i]
+                )
+                work += A[last + i] * power
+            model.work += h * work
+        model.q0 = self.x0[STAGES - 1]
+        model.q1 = self.x1[STAGES - 1]
+        model.v0 = w0[STAGES - 1]
+        model.v1 = w1[STAGES - 1]
+        return size
+
+    def place(self, model: Model, h: float) -> None:
+        """The stages that belong to the accelerations."""
+        a = self.a
+        b = self.b
+        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        hh = h * h
+        for i in range(STAGES):
+            row = STAGES * i
+            y0 = y1 = z0 = z1 = 0.0
+            for j in range(STAGES):
+                f = A[row + j]
+                g = B[row + j]
+                y0 += f * a[j]
+                y1 += f * b[j]
+                z0 += g * a[j]
+                z1 += g * b[j]
+            ch = NODES[i] * h
+            self.w0[i] = v0 + h * y0
+            self.w1[i] = v1 + h * y1
+            self.x0[i] = q0 + (ch * v0 + hh * z0)
+            self.x1[i] = q1 + (ch * v1 + hh * z1)
+
+    def solve(self, model: Model, t: float, h: float) -> bool:
+        """Newton's method for the accelerations; leaves the stages that belong to them."""
+        a = self.a
+        b = self.b
+        r = self.r
+        fresh = False
+        before = math.inf
+        least = math.inf
+        stalls = 0
+        # corrections are measured by what moves the rates by as much as they are
+        unit0 = max(math.fabs(model.v0), 1e-9 * model.q0_scale / h) / h
+        unit1 = max(math.fabs(model.v1), 1e-9 * model.q1_scale / h) / h
+        for _ in range(MOST_ITERATIONS):
+            self.place(model, h)
+            for i in range(STAGES):
+                f0, f1 = model.acceleration(
+                    t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i]
+                )
+                r[i] = f0 - a[i]
+                r[STAGES + i] = f1 - b[i]
+            self.evaluations += STAGES
+            if not fresh:
+                if not self.factorise(model, t, h, unit0, unit1):
+                    return False
+                fresh = True
+            self.substitute(unit0, unit1)
+            move0 = move1 = most0 = most1 = 0.0
+            for i in range(STAGES):
+                a[i] += r[i]
+                b[i] += r[STAGES + i]
+                move0 = max(move0, math.fabs(r[i]))
+                move1 = max(move1, math.fabs(r[STAGES + i]))
+                most0 = max(most0, math.fabs(a[i]))
+                most1 = max(most1, math.fabs(b[i]))
+            size = max(move0 / max(most0, unit0), move1 / max(most1, unit1))
+            if not size + most0 + most1 <= LARGEST:
+                return False
+            if size <= ROUNDING:
+                break
+            if size > 0.5 * least:
+                stalls += 1
+                if stalls >= 2:
+                    if least <= NOISE:
+                        break
+                    if stalls >= 5:
+                        return False
+            if size > SLOW * before and size > NOISE:
+                fresh = False
+            before = size
+            least = min(least, size)
+        else:
+            return False
+        self.place(model, h)
+        return True
+
+    def factorise(self, model: Model, t: float, h: float, unit0: float, unit1: float) -> bool:
+        """The Newton matrix I - h^2 B dK/dq - h A dK/dv, in the units, and its triangles."""
+        m = self.m
+        n = 2 * STAGES
+        hh = h * h
+        ratio = unit1 / unit0
+        for i in range(STAGES):
+            # by pairs of floats, in the order of Jacobian
+            j00, j01, j10, j11, k00, k01, k10, k11 = model.jacobian(
+                t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i]
+            )
+            j01 *= ratio
+            k01 *= ratio
+            j10 /= ratio
+            k10 /= ratio
+            row = STAGES * i
+            upper = n * i
+            lower = n * (STAGES + i)
+            for j in range(STAGES):
+                f = h * A[row + j]
+                g = hh * B[row + j]
+                m[upper + j] = -(g * j00 + f * k00)
+                m[upper + STAGES + j] = -(g * j01 + f * k01)
+                m[lower + j] = -(g * j10 + f * k10)
+                m[lower + STAGES + j] = -(g * j11 + f * k11)
+            m[upper + i] += 1.0
+            m[lower + STAGES + i] += 1.0
+        self.evaluations += STAGES
+        return factorised(m, self.rows, n)
+
+    def substitute(self, unit0: float, unit1: float) -> None:
+        """Turn the residuals into corrections."""
+        r = self.r
+        m = self.m
+        n = 2 * STAGES
+        for i in range(STAGES):
+            r[i] /= unit0
+            r[STAGES + i] /= unit1
+        for i in range(n):
+            p = self.rows[i]
+            x = r[p]
+            r[p] = r[i]
+            row = n * i
+            for j in range(i):
+                x -= m[row + j] * r[j]
+            r[i] = x
+        for i in range(n - 1, -1, -1):
+            x = r[i]
+            row = n * i
+            for j in range(i + 1, n):
+                x -= m[row + j] * r[j]
+            r[i] = x / m[row + i]
+        for i in range(STAGES):
+            r[i] *= unit0
+            r[STAGES + i] *= unit1
+
+
+def factorised(m: list[float], rows: list[int], n: int) -> bool:
+    """Replace the n x n matrix by its triangles, rows exchanged; False where it is singular."""
+    for i in range(n):
+        p = i
+        most = math.fabs(m[n * i + i])
+        for k in range(i + 1, n):
+            x = math.fabs(m[n * k + i])
+            if x > most:
+                most = x
+                p = k
+        if not 0.0 < most <= LARGEST:
+            return False
+        rows[i] = p
+        if p != i:
+            for j in range(n):
+                x = m[n * i + j]
+                m[n * i + j] = m[n * p + j]
+                m[n * p + j] = x
+        inverse = 1.0 / m[n * i + i]
+        for k in range(i + 1, n):
+            f = m[n * k + i] * inverse
+            if f != 0.0:
+                for j in range(i + 1, n):
+                    m[n * k + j] -= f * m[n * i + j]
+            m[n * k + i] = f
+    return True

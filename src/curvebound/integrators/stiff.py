@@ -1,0 +1,148 @@
+"""Long steps where motion is smooth but stiff: damping that would hold other methods to short ones.
+
+A trial begins with the step that the sweeps of lobatto.Collocation can make. A Radau step costs
+some fifty of those: it goes on only while it is GAIN times as long as they could be.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from ..models.base import Model
+from .base import DONE, STEP_TOO_SMALL, TOO_MANY_STEPS
+from .elapsed import Elapsed
+from .radau import STAGES, Radau
+
+__all__ = ["Stiff", "is_stiff"]
+
+#: steps that must be as long to pay, the tries in which they must become so, rejected ones at most
+GAIN: Final = 16.0
+TRIAL: Final = 10
+MOST_REJECTED: Final = 4
+#: the size of the polynomial's tail as a power of the error, which is far smaller
+TAIL_POWER: Final = 0.7
+SAFETY: Final = 0.8
+MOST_GROWTH: Final = 4.0
+#: smallest step relative to the communication step
+RESOLUTION: Final = 1e-22
+LARGEST: Final = 1e300
+
+
+class Stiff:
+    """The steps of a stiff stretch, with counts of what it did in a communication step."""
+
+    def __init__(self) -> None:
+        self.radau = Radau()
+        #: s, step to go on with; 0: the motion is not stiff
+        self.wished: float = 0.0
+        #: steps accepted, and tried
+        self.steps: int = 0
+        self.tries: int = 0
+        self.evaluations: int = 0
+        #: s, internal step at a failure
+        self.reached: float = 0.0
+
+    def begin(self) -> None:
+        """Forget the counts: before a communication step."""
+        self.steps = 0
+        self.tries = 0
+        self.evaluations = 0
+
+    def pays(self, short: float, duration: float) -> bool:
+        """Whether a communication step begins with stiff steps, where others make `short` s."""
+        return self.wished > 0.0 and duration > GAIN * short
+
+    def go_on(
+        self,
+        model: Model,
+        elapsed: Elapsed,
+        duration: float,
+        short: float,
+        share: float,
+        most_tries: int,
+    ) -> int:
+        """Steps beyond `short` s until they no longer pay, or to the end of `duration`.
+
+        Each with an error of about `share`; at most `most_tries` since begin(). DONE or the kind of
+        failure.
+        """
+        radau = self.radau
+        settles = model.settles
+        bound = math.exp(TAIL_POWER * math.log(share))
+        h = self.wished
+        if h <= 0.0:
+            h = 2.0 * short
+        slow = rejected = 0
+        while slow <= TRIAL and rejected < MOST_REJECTED:
+            if self.tries >= most_tries:
+                self.reached = h
+                return TOO_MANY_STEPS
+            self.tries += 1
+            wished = h
+            left = elapsed.left(duration)
+            ends = h >= left
+            if ends:
+                h = left
+            elif 2.0 * h > left:
+                h = 0.5 * left
+            radau.evaluations = 0
+            try:
+                size = radau.step(model, elapsed.t, h, bound)
+            except (ArithmeticError, ValueError, NotImplementedError):
+                size = math.inf
+            self.evaluations += radau.evaluations
+            if h < GAIN * max(short, usual(model, elapsed.t)):
+                slow += 1
+            else:
+                slow = rejected = 0
+            if size <= bound:
+                self.steps += 1
+                if settles:
+                    model.settle(h)
+                after = h * min(MOST_GROWTH, max(0.5, growth(size / bound)))
+                if ends:
+                    # a step that the end cut short may only grow
+                    self.wished = max(wished, after)
+                    elapsed.finish(duration)
+                    return DONE
+                elapsed.add(h)
+                h = after
+            else:
+                rejected += 1
+                h *= 0.25 if size > LARGEST else max(0.1, min(SAFETY, growth(size / bound)))
+                if h < duration * RESOLUTION:
+                    self.reached = h
+                    return STEP_TOO_SMALL
+        self.wished = 0.0
+        return DONE
+
+
+def usual(model: Model, t: float) -> float:
+    """About the step (s) that the sweeps could make at the present state, as far as stiffness goes.
+
+    It is what the step at the start of a stretch was only while that lasts.
+    """
+    try:
+        j = model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
+    except (ArithmeticError, ValueError, NotImplementedError):
+        return 0.0
+    rate = math.fabs(j[4] + j[7]) + math.sqrt(math.fabs(j[0]) + math.fabs(j[3]))
+    return 1.0 / rate if rate > 0.0 else LARGEST
+
+
+def is_stiff(model: Model, t: float, h: float, a0: float, a1: float) -> bool:
+    """Whether damping, not the motion with its acceleration (a0, a1), keeps steps to h s."""
+    try:
+        j = model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
+    except (ArithmeticError, ValueError, NotImplementedError):
+        return False
+    damping = -(j[4] + j[7])
+    change = math.fabs(a0) / model.q0_scale + math.fabs(a1) / model.q1_scale
+    rate = math.fabs(model.v0) / model.q0_scale + math.fabs(model.v1) / model.q1_scale
+    return 2.0 * h * damping >= 1.0 and 4.0 * change <= damping * rate
+
+
+def growth(error: float) -> float:
+    """Ratio of the next step to one whose tail is `error` in units of its bound."""
+    return SAFETY * math.exp(math.log(max(error, 1e-30)) * (-1.0 / STAGES))

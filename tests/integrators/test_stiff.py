@@ -1,0 +1,206 @@
+"""The stiff steps of `adaptive`: constants of Radau IIA, damping of any size, memory, honesty."""
+
+from __future__ import annotations
+
+import math
+import random
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from small_models import Oscillator, Pendulum, Sliding, march
+
+from curvebound.integrators import create, radau
+from curvebound.integrators.adaptive import Adaptive
+from curvebound.integrators.base import TOO_MANY_STEPS
+from curvebound.integrators.elapsed import Elapsed
+from curvebound.models.base import Jacobian
+
+S = radau.STAGES
+A = np.array(radau.A).reshape(S, S)
+B = np.array(radau.B).reshape(S, S)
+C = np.array(radau.NODES)
+
+
+def test_nodes_are_the_right_radau_points() -> None:
+    """Zeros of P_7 - P_6 on (0, 1]."""
+    inner = np.polynomial.legendre.legroots([0.0] * 6 + [-1.0, 1.0])
+    assert np.sort((inner + 1) / 2) == pytest.approx(C, abs=1e-14)
+
+
+@pytest.mark.parametrize("k", range(1, 8))
+def test_stages_collocate(k: int) -> None:
+    """C(7): sum_j A_ij c_j^(k-1) = c_i^k / k; B = A A."""
+    assert A @ C ** (k - 1) == pytest.approx(C**k / k, abs=2e-16)
+    if k < 7:
+        assert B @ C ** (k - 1) == pytest.approx(C ** (k + 1) / (k * (k + 1)), abs=2e-16)
+
+
+@pytest.mark.parametrize("k", range(1, 14))
+def test_weights_have_order_13(k: int) -> None:
+    assert A[-1] @ C ** (k - 1) == pytest.approx(1 / k, abs=2e-16)
+
+
+def test_l_stable() -> None:
+    """R(z) = 1 + z b (I - z A)^-1 1 is below 1 in the left half plane and 0 at its end."""
+
+    def growth(z: complex) -> complex:
+        return complex(1 + z * (A[-1] @ np.linalg.solve(np.eye(S) - z * A, np.ones(S))))
+
+    assert abs(growth(-1e9)) < 1e-6
+    for y in 10.0 ** np.arange(-3, 7):
+        assert abs(growth(1j * y)) <= 1 + 1e-12
+
+
+def test_tails_are_legendre_coefficients() -> None:
+    rng = random.Random(1)
+    coefficients = [rng.uniform(-1, 1) for _ in range(S)]
+    values = np.polynomial.legendre.legval(2 * C - 1, coefficients)
+    assert np.dot(radau.HIGHEST, values) == pytest.approx(coefficients[6], abs=1e-13)
+    assert np.dot(radau.NEXT, values) == pytest.approx(coefficients[5], abs=1e-13)
+
+
+def test_elimination_exchanges_rows() -> None:
+    rng = random.Random(3)
+    n = 2 * S
+    work = radau.Radau()
+    matrix = np.array([[rng.uniform(-1, 1) for _ in range(n)] for _ in range(n)])
+    matrix[0, 0] = 0.0
+    truth = np.array([rng.uniform(-1, 1) for _ in range(n)])
+    work.m = matrix.ravel().tolist()
+    work.r = (matrix @ truth).tolist()
+    assert radau.factorised(work.m, work.rows, n)
+    work.substitute(1.0, 1.0)
+    assert work.r == pytest.approx(truth, abs=1e-11)
+    assert not radau.factorised([0.0] * (n * n), work.rows, n)
+
+
+def overdamped(t: float, w: float, d: float) -> tuple[float, float]:
+    """q and q' of q'' = -w^2 q - d q' from (1, 0.5), d far above 2 w."""
+    fast = -0.5 * d - math.sqrt(0.25 * d * d - w * w)
+    slow = w * w / fast
+    b = (0.5 - slow) / (fast - slow)
+    a = 1.0 - b
+    return (
+        a * math.exp(slow * t) + b * math.exp(fast * t),
+        a * slow * math.exp(slow * t) + b * fast * math.exp(fast * t),
+    )
+
+
+@pytest.mark.parametrize("damping", [1e2, 1e4, 1e6, 1e9, 1e18])
+def test_damping_of_any_size_takes_bounded_work(damping: float) -> None:
+    """The sweeps alone would take damping / 3 steps a second."""
+    for tolerance in (1e-6, 1e-10):
+        model, method = Oscillator(w0=2.0, w1=2.0, damping=damping), create(4)
+        march(method, model, 10.0, tolerance=tolerance)
+        q, v = overdamped(10.0, 2.0, damping)
+        assert model.q0 == pytest.approx(q, rel=10 * tolerance)
+        assert model.v0 == pytest.approx(v, rel=10 * tolerance)
+        assert method.evaluations < 12_000
+        assert method.steps < 600
+
+
+def test_work_of_damping_is_integrated_in_stiff_steps() -> None:
+    model, method = Oscillator(w0=2.0, w1=3.0, damping=1e5, push=2.0), create(4)
+    march(method, model, 50.0, pieces=5, tolerance=1e-9)
+    assert method.steps < 1000
+    assert model.energy() - model.start_energy == pytest.approx(model.work, abs=1e-9)
+
+
+def test_without_damping_there_are_no_stiff_steps() -> None:
+    for system in (Oscillator, Pendulum, Sliding):
+        model, method = system(), Adaptive()
+        march(method, model, 200.0, tolerance=1e-9)
+        assert method.steps > 150
+        assert method.stiff.wished == 0.0
+
+
+class Coasting(Oscillator):
+    """Strong damping that ends at t = 1 s of the first coordinate's clock q1 = t."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.q0, self.v0, self.q1, self.v1 = 1.0, 0.0, 0.0, 1.0
+
+    def rate(self, q1: float) -> float:
+        return 1e5 * max(0.0, 1.0 - q1) ** 4
+
+    def acceleration(
+        self, t: float, q0: float, q1: float, v0: float, v1: float
+    ) -> tuple[float, float]:
+        return -100.0 * q0 - self.rate(q1) * v0, 0.0
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+        slope = -4e5 * max(0.0, 1.0 - q1) ** 3
+        return -100.0, -slope * v0, 0.0, 0.0, -self.rate(q1), 0.0, 0.0, 0.0
+
+
+def test_goes_back_where_stiff_steps_no_longer_pay() -> None:
+    model, method = Coasting(), Adaptive()
+    march(method, model, 0.5, tolerance=1e-9)
+    assert method.stiff.wished > 0.0
+    march(method, model, 20.0, tolerance=1e-9)
+    assert method.stiff.wished == 0.0
+    finer, other = Coasting(), create(4)
+    march(other, finer, 0.5, tolerance=1e-13)
+    march(other, finer, 20.0, tolerance=1e-13)
+    assert model.q0 == pytest.approx(finer.q0, abs=1e-6)
+
+
+def test_stiff_state_continues_bit_for_bit_and_survives_failure() -> None:
+    def stiff() -> Oscillator:
+        return Oscillator(damping=1e6)
+
+    method, model = Adaptive(), stiff()
+    march(method, model, 1.0, tolerance=1e-9)
+    assert method.stiff.wished > 0.0
+    other, again = Adaptive(), stiff()
+    other.set_state(method.get_state())
+    again.q0, again.q1, again.v0, again.v1 = model.q0, model.q1, model.v0, model.v1
+    for pair in ((method, model), (other, again)):
+        march(*pair, 3.0, pieces=7, tolerance=1e-9)
+    assert other.get_state() == method.get_state()
+    assert (again.q0, again.q1, again.v0, again.v1) == (model.q0, model.q1, model.v0, model.v1)
+    before = method.get_state()
+    assert method.advance(model, 1e3, 1, 1e-12, 3) == TOO_MANY_STEPS
+    assert method.reached > 0.0
+    assert method.get_state() == before
+
+
+def test_most_steps_bound_stiff_tries_too() -> None:
+    class Torn(Oscillator):
+        """Newton's method finds no stage: the Jacobian has the wrong sign and size."""
+
+        def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+            return 1e12, 0.0, 0.0, 1e12, -1e6, 0.0, 0.0, -1e6
+
+    method = create(4)
+    assert method.advance(Torn(damping=1e6), 1.0, 1, 1e-9, 500) == TOO_MANY_STEPS
+    assert method.evaluations < 500 * 7 * 12
+
+
+def test_a_light_coordinate_is_right_for_itself() -> None:
+    """Where the model says so: beside a motion a million times as large."""
+    errors = {}
+    for coupling in (1.0, 1e-9):
+        model, method = Oscillator(w0=2.0, w1=30.0), create(4)
+        model.coupling = coupling
+        model.q0, model.v0, model.q1, model.v1 = 1e6, 0.0, 1.0, 0.0
+        march(method, model, 10.0, tolerance=1e-6)
+        errors[coupling] = abs(model.q1 - math.cos(300.0))
+    assert errors[1e-9] < 1e-5 < errors[1.0]
+
+
+def test_time_is_summed_exactly() -> None:
+    elapsed = Elapsed()
+    total = Fraction(0)
+    h = 1.0 / 3e7
+    for _ in range(100_000):
+        elapsed.add(h)
+        total += Fraction(h)
+    assert abs(Fraction(elapsed.t) + Fraction(elapsed.rest) - total) < Fraction(1, 10**27)
+    assert elapsed.left(1.0) == pytest.approx(float(1 - total), rel=1e-15)
+    elapsed.finish(1.0)
+    assert elapsed.left(1.0) == 0.0
+    elapsed.reset()
+    assert (elapsed.t, elapsed.rest) == (0.0, 0.0)
