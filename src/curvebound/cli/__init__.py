@@ -18,7 +18,7 @@ from ..errors import CurveboundError
 
 __all__ = ["main", "parser"]
 
-#: modules of this package, in the order of `curvebound --help`; one that is not there is left out
+#: modules of this package, in the order of `curvebound --help`
 _COMMANDS = (
     "list",
     "build",
@@ -55,12 +55,7 @@ def parser() -> argparse.ArgumentParser:
     shtab.add_argument_to(root, "--print-completion", help="print a completion script for a shell")
     commands = root.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name in _COMMANDS:
-        try:
-            module = importlib.import_module(f".{name}", __name__)
-        except ModuleNotFoundError as error:
-            if error.name != f"{__name__}.{name}":
-                raise
-            continue
+        module = importlib.import_module(f".{name}", __name__)
         sub = commands.add_parser(
             module.NAME,
             help=module.HELP,

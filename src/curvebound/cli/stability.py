@@ -1,0 +1,230 @@
+"""Find where the methods break: maps of a parameter against the step, random samples, long runs.
+
+A map says for each method and value of a parameter up to which step it is accurate, up to which
+it is stable, and where it fails with a message. Made of it: a table (CSV), a picture (PNG), a page.
+
+examples:
+  curvebound stability bead_on_wire --vary bead.wire.radius=1e-3:1e3:13:log
+  curvebound stability pendulum_large --vary "plant.pendulum.mass=1e-8:1e8:17(log)" --method rk4
+  curvebound stability --all --jobs 2
+  curvebound stability --sample 2000 --system bead --system pendulum --jobs 2
+  curvebound stability --long
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+NAME = "stability"
+HELP = "find where the methods break: maps, random samples, long runs"
+
+_METHODS = ("explicit_euler", "semi_implicit_euler", "rk4", "implicit", "adaptive", "exact")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("scene", nargs="?", metavar="SCENE", help="a .py file or a scene's name")
+    parser.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="PATH=LOW:HIGH:N:log",
+        help="the parameter of a map: component.variable=LOW:HIGH:N, with :log or (log) for equal "
+        "steps in the logarithm, or =a,b,c; may be repeated, one map each",
+    )
+    parser.add_argument(
+        "--all", action="store_true", help="the maps of both systems that their FMUs document"
+    )
+    parser.add_argument("--method", action="append", choices=_METHODS, help="may be repeated")
+    parser.add_argument(
+        "--steps", metavar="LOW:HIGH:N", help="steps in s (default: 5e-6 to 0.1 of the run, 22)"
+    )
+    parser.add_argument("--stop", type=float, metavar="T", help="stop time of a map's runs in s")
+    parser.add_argument(
+        "--accuracy",
+        type=float,
+        default=1e-3,
+        metavar="E",
+        help="largest relative error called accurate (default: 1e-3)",
+    )
+    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
+    parser.add_argument(
+        "--sample", type=int, metavar="N", help="N random points of all declared ranges"
+    )
+    parser.add_argument("--system", action="append", choices=("bead", "pendulum"))
+    parser.add_argument("--seed", type=int, default=1, help="of the sample (default: 1)")
+    parser.add_argument("--tolerance", type=float, default=1e-8, help="of the sample (1e-8)")
+    parser.add_argument("--times", type=float, default=10.0, help="characteristic times (10)")
+    parser.add_argument("--long", action="store_true", help="long runs of bead and pendulum")
+    parser.add_argument(
+        "--periods", type=float, default=1e5, help="of the long runs of the bead (default: 1e5)"
+    )
+    parser.add_argument(
+        "--calls",
+        type=float,
+        default=1e7,
+        help="communication steps of the long run of the pendulum (default: 1e7)",
+    )
+    parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
+    parser.add_argument("--out", type=Path, default=Path("build/stability"), metavar="DIR")
+    parser.add_argument("--no-plots", action="store_true", help="tables and pages only")
+    parser.add_argument(
+        "--documentation",
+        type=Path,
+        metavar="DIR",
+        help="with --all: also write the small pictures that the FMUs carry here (fmus)",
+    )
+    parser.set_defaults(wrong=parser.error)  # prints the usage, exit status 2
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do what was asked for; status 1 where a sample or a long run misses its bounds."""
+    maps = bool(options.scene or options.vary)
+    if not (maps or options.all or options.long or options.sample is not None):
+        options.wrong("give SCENE with --vary, or --all, --sample N or --long")
+    if maps and not (options.scene and options.vary):
+        options.wrong("a map needs both SCENE and --vary component.variable=LOW:HIGH:N")
+    if options.jobs < 1 or (options.sample is not None and options.sample < 1):
+        options.wrong("--sample and --jobs take numbers from 1 on")
+    if not (options.accuracy > 0.0 and options.periods >= 64.0 and options.calls >= 1000.0):
+        options.wrong("--accuracy must be above 0, --periods at least 64, --calls at least 1000")
+    good = True
+    if maps or options.all:
+        _maps(options)
+    if options.sample is not None:
+        good = _sample(options) and good
+    if options.long:
+        good = _long(options) and good
+    return 0 if good else 1
+
+
+def _maps(options: argparse.Namespace) -> None:
+    from rich.console import Console
+
+    from ..study.extras import require
+    from ..study.stability.catalogue import catalogue
+    from ..study.stability.compact import write_compact
+    from ..study.stability.map_report import write_index, write_map
+    from ..study.stability.maps import make_maps, values_of
+
+    if not options.no_plots:
+        require("plots")
+    console = Console(highlight=False)
+    requests = _requests(options)
+    units = {}
+    for request in requests:  # everything is checked before the first run
+        values_of(request)
+        with request.probe() as probe:
+            units[request] = probe.unit
+    if options.all:
+        named = catalogue(tuple(options.method or ()), options.accuracy)
+        requests += named
+        units.update((one, one.unit) for one in named)
+    pages = []
+    found = []
+    with _bar(console) as bar:
+        task = bar.add_task("", total=None, note="")
+
+        def tell(done: int, count: int, path: str) -> None:
+            bar.update(task, completed=done, total=count, description=path)
+
+        for request, maps in make_maps(requests, jobs=options.jobs, progress=tell):
+            name = request.made().name
+            folder = options.out / name
+            page = write_map(
+                request, maps, name, units[request], folder, plots=not options.no_plots
+            )
+            pages.append((f"{name}: {request.axis.path}", page))
+            found.append((request, maps))
+            console.print(f"{request.axis.path}: {page}", soft_wrap=True)
+    if options.all:
+        console.print(str(write_index(pages, options.out)), soft_wrap=True)
+        for path in write_compact(found, options.documentation or options.out):
+            console.print(str(path), soft_wrap=True)
+
+
+def _requests(options: argparse.Namespace) -> list[Any]:
+    from ..errors import CurveboundError
+    from ..study.stability.maps import Request, steps_from
+    from ..study.stability.stability_map import METHODS
+
+    changes = []
+    for text in options.set:
+        path, equals, value = text.partition("=")
+        if not equals:
+            raise CurveboundError(f"--set {text!r} is not of the form component.variable=value.")
+        changes.append((path.strip(), value.strip()))
+    return [
+        Request(
+            options.scene,
+            text,
+            tuple(changes),
+            tuple(options.method or METHODS),
+            options.accuracy,
+            options.stop,
+            steps_from(options.steps),
+        )
+        for text in options.vary
+    ]
+
+
+def _bar(console: Any) -> Any:
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    return Progress(
+        TextColumn("{task.description}"), BarColumn(bar_width=24), MofNCompleteColumn(),
+        TimeRemainingColumn(), TextColumn("{task.fields[note]}"),
+        console=console, transient=True, disable=not console.is_terminal,
+    )  # fmt: skip
+
+
+def _sample(options: argparse.Namespace) -> bool:
+    from rich.console import Console
+
+    from ..study.stability.sample import Settings, run_sample
+    from ..study.stability.sample_report import passes, print_sample, write_sample
+
+    console = Console(highlight=False)
+    good = True
+    for system in options.system or ("bead", "pendulum"):
+        method = (options.method or ["adaptive"])[0]
+        settings = Settings(system, method, options.tolerance, options.times)
+        with _bar(console) as bar:
+            task = bar.add_task(f"sample of the {system}", total=options.sample, note="")
+            outcomes = run_sample(
+                settings,
+                options.sample,
+                options.seed,
+                jobs=options.jobs,
+                progress=lambda n, bar=bar, task=task: bar.update(task, completed=n),  # type: ignore[misc]
+            )
+        print_sample(outcomes, settings, options.seed)
+        console.print(str(write_sample(outcomes, options.out / f"sample_{system}.csv")))
+        good = passes(outcomes) and good
+    return good
+
+
+def _long(options: argparse.Namespace) -> bool:
+    from rich.console import Console
+
+    from ..study.stability.long_runs import METHODS, print_long, run_long
+
+    console = Console(highlight=False)
+    methods = [m for m in METHODS if not options.method or m in options.method]
+    results = []
+    with _bar(console) as bar:
+        task = bar.add_task("long runs", total=len(methods), note="")
+        for method in methods:
+            bar.update(task, description=f"{options.periods:g} periods, {method}")
+            results.append(run_long(method, options.periods))
+            bar.advance(task)
+    print_long(results)
+    return all(one.as_expected for one in results)

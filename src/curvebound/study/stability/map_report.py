@@ -1,0 +1,159 @@
+"""What stability maps leave on disk: CSV, pictures and pages."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ...cosim.files import write_whole
+from ..files import write_rows
+from ..page import _document
+from .maps import Request
+from .pictures import draw
+from .probe import FAILED, UNKNOWN
+from .stability_map import RESOLUTION, Column, StabilityMap
+
+__all__ = ["stem_of", "write_index", "write_map"]
+
+
+def stem_of(path: str) -> str:
+    """A path component.variable as a file's name."""
+    return "".join(c if c.isalnum() else "_" for c in path)
+
+
+def write_map(
+    request: Request,
+    maps: Sequence[StabilityMap],
+    scene: str,
+    unit: str,
+    folder: Path,
+    *,
+    plots: bool = True,
+) -> Path:
+    """Write grid and boundaries as CSV, the picture, and the page that shows them; the page."""
+    path = request.axis.path
+    stem = stem_of(path)
+    write_rows(_grid(maps, path), folder / f"{stem}.csv")
+    write_rows(_boundaries(maps, path), folder / f"{stem}_boundaries.csv")
+    label = path + ("" if unit in ("", "1") else f" ({unit})")
+    picture = ""
+    if plots:
+        _, svg = draw(maps, label, folder / f"{stem}.png")
+        text = svg.read_text(encoding="utf-8")
+        picture = f"<figure>{text[text.index('<svg') :]}</figure>"
+        svg.unlink()
+    title = f"{scene}: step against {label}"
+    durations = sorted({column.duration for column in maps[0].columns})
+    runs = f"{durations[0]:.3g} s"
+    if len(durations) > 1:
+        runs = f"{runs} to {durations[-1]:.3g} s (see the column duration of the CSV)"
+    changes = "".join(f", {name} = {value}" for name, value in request.changes)
+    body = (
+        f"<main><h1>{html.escape(title)}</h1>"
+        f"<p>Runs of {runs}{html.escape(changes)}. Accurate: relative error at most "
+        f"{request.accuracy:g}. Unstable: the energy is wrong by more than ten times all that is "
+        "at stake in the exact motion, or an output is ten times as large as it may be. The "
+        f"boundaries were found by bisection to {RESOLUTION - 1.0:.0%}; adaptive is mapped over "
+        "its tolerance, since it chooses its step. Linear theory: where the method lets the energy "
+        "of a mode grow to 21 times itself within the run, for the equations in minimal "
+        "coordinates linearised at rest, and along the exact motion at its worst moment.</p>"
+        f"{picture}<h2>Largest steps</h2>{_table(maps)}{_failures(maps)}</main>"
+    )
+    page = _document(title, body, "Made by curvebound stability.")
+    return write_whole(folder / f"{stem}.html", lambda out: out.write_text(page, encoding="utf-8"))
+
+
+def write_index(pages: Sequence[tuple[str, Path]], folder: Path) -> Path:
+    """A page that leads to the maps; (title, page) of each."""
+    items = "".join(
+        f'<li><a href="{html.escape(page.relative_to(folder).as_posix())}">{html.escape(title)}</a>'
+        for title, page in pages
+    )
+    body = f"<main><h1>Stability maps</h1><ul>{items}</ul></main>"
+    text = _document("Stability maps", body, "Made by curvebound stability --all.")
+    return write_whole(folder / "index.html", lambda out: out.write_text(text, encoding="utf-8"))
+
+
+def _grid(maps: Sequence[StabilityMap], path: str) -> list[dict[str, Any]]:
+    return [
+        {
+            "method": one.method,
+            path: column.value,
+            "duration": column.duration,
+            "size_is": one.size_is,
+            "size": size,
+            "verdict": verdict.kind,
+            "error": None if math.isnan(verdict.error) else verdict.error,
+            "energy": None if math.isnan(verdict.energy) else verdict.energy,
+            "run": "assumed" if size in column.assumed else "run",
+            "message": verdict.message,
+        }
+        for one in maps
+        for column in one.columns
+        for size, verdict in column.verdicts.items()
+    ]
+
+
+def _boundaries(maps: Sequence[StabilityMap], path: str) -> list[dict[str, Any]]:
+    """Empty where the smallest step tried is not so, inf where the largest is."""
+    return [
+        {
+            "method": one.method,
+            path: column.value,
+            "size_is": one.size_is,
+            **{
+                name: None if math.isnan(value) else value
+                for name, value in (
+                    ("accurate_below", column.accurate),
+                    ("stable_below", column.stable),
+                    ("theory_at_rest", column.at_rest),
+                    ("theory_in_motion", column.in_motion),
+                )
+            },
+        }
+        for one in maps
+        for column in one.columns
+    ]
+
+
+def _size(x: float, column: Column) -> str:
+    if any(verdict.kind == UNKNOWN for verdict in column.verdicts.values()):
+        return "unknown"
+    if math.isnan(x):
+        return f"&lt; {column.sizes[0]:.2g}"
+    return f"&ge; {column.sizes[-1]:.2g}" if math.isinf(x) else f"{x:.2e}"
+
+
+def _table(maps: Sequence[StabilityMap]) -> str:
+    head = "".join(f"<th>{one.method}<br>accurate<th>stable" for one in maps)
+    rows = []
+    for i, column in enumerate(maps[0].columns):
+        cells = "".join(
+            f"<td>{_size(own.accurate, own)}<td>{_size(own.stable, own)}"
+            for own in (one.columns[i] for one in maps)
+        )
+        rows.append(f"<tr><td>{column.value:.4g}{cells}</tr>")
+    return f'<div class="scroll"><table><tr><th>value{head}</tr>{"".join(rows)}</table></div>'
+
+
+def _failures(maps: Sequence[StabilityMap]) -> str:
+    """The first message of each method that fails, and of an unknown reference."""
+    items = []
+    for kind, words in ((FAILED, "failed"), (UNKNOWN, "are unknown")):
+        for one in maps:
+            found = [
+                (column.value, verdict.message)
+                for column in one.columns
+                for verdict in column.verdicts.values()
+                if verdict.kind == kind
+            ]
+            if found:
+                value, message = found[0]
+                items.append(
+                    f"<li>{one.method}: {len(found)} of the runs {words}, for example at "
+                    f"{value:.4g}: {html.escape(message)}</li>"
+                )
+    return f"<h2>Messages</h2><ul>{''.join(items)}</ul>" if items else ""

@@ -1,0 +1,111 @@
+"""Where linear theory puts the end of stability of a method, for the kernel's own equations.
+
+A step of h s of a method on z' = [[0, I], [Jq, Jv]] z multiplies z by a matrix S(h). The boundary
+is the largest h up to which the energy of no mode grows, over the run, to more than FACTOR times
+what it is in truth. Jq and Jv are taken at rest, or where the exact motion makes the boundary
+smallest (frozen coefficients; moments at which the motion itself parts exponentially say nothing
+and are left out): amplitude matters, and the two can be far apart.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.base import Model
+from ...models.bead_on_wire import bead_on_wire
+from ...models.parabola_pendulum import parabola_pendulum
+
+__all__ = ["FACTOR", "boundary", "jacobians", "kernel", "step_matrix", "swings"]
+
+Matrix = NDArray[Any]
+#: an oscillation's largest kinetic and potential energy together, what is at stake, are twice its
+#: energy: where ten times that much too much is called unstable, it has grown to 21 times itself
+FACTOR = 21.0
+_BISECTIONS = 50
+
+
+def step_matrix(method: str, a: Matrix, h: float) -> Matrix:
+    """What one step of `method` multiplies z by, for z' = a z with z = (q, v); shape of a (n, n).
+
+    KeyError for a method that is stable whatever the step (implicit, adaptive, exact).
+    """
+    n = len(a)
+    half = n // 2
+    one = np.eye(n)
+    z = h * a
+    if method == "explicit_euler":
+        return one + z
+    if method == "rk4":
+        return one + z @ (one + z @ (one / 2 + z @ (one / 6 + z / 24)))
+    if method == "semi_implicit_euler":
+        moved = np.eye(n)
+        moved[half:] += z[half:]
+        moved[:half] += h * moved[half:]
+        return moved
+    raise KeyError(method)
+
+
+def boundary(method: str, a: Matrix, duration: float, least: float, most: float) -> float:
+    """The largest stable step (s) between `least` and `most`: infinite beyond, 0 below."""
+    growth = math.log(FACTOR) + 2.0 * duration * max(0.0, float(np.linalg.eigvals(a).real.max()))
+
+    def stable(h: float) -> bool:
+        radius = float(np.abs(np.linalg.eigvals(step_matrix(method, a, h))).max())
+        if not math.isfinite(radius):
+            return False
+        return radius <= 1.0 or 2.0 * duration / h * math.log(radius) <= growth
+
+    if stable(most):
+        return math.inf
+    if not stable(least):
+        return 0.0
+    low, high = math.log(least), math.log(most)
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stable(math.exp(middle)) else (low, middle)
+    return math.exp(low)
+
+
+def swings(a: Matrix) -> bool:
+    """Whether the fastest modes of z' = a z oscillate or decay."""
+    modes = np.linalg.eigvals(a)
+    return bool(modes.real.max() <= 0.1 * np.abs(modes).max())
+
+
+def kernel(model_name: str, values: Mapping[str, Any]) -> Model | None:
+    """The kernel's model of a component's start values, in minimal coordinates; None if unknown."""
+    real = {k: float(v) for k, v in values.items() if not isinstance(v, str)}
+    model: Model
+    if model_name == "BeadOnWire":
+        choices = {"model.formulation": 2, "constraint.stabilization": 1}
+        model = bead_on_wire(choices)
+    elif model_name == "ParabolaPendulum":
+        choices = {"model.fidelity": 1 if values["model.fidelity"] == "linear" else 2}
+        model = parabola_pendulum(choices)
+    else:
+        return None
+    model.start(real, choices)
+    model.set_inputs([real.get(name, 0.0) for name in model.INPUTS], 0)
+    return model
+
+
+def jacobians(model: Model, states: Sequence[Sequence[float]]) -> list[Matrix]:
+    """The matrices a, (4, 4), at states (q0, q1, v0, v1)."""
+    found = []
+    for q0, q1, v0, v1 in states:
+        try:
+            j = model.jacobian(0.0, q0, q1, v0, v1)
+        except (ArithmeticError, ValueError):
+            continue
+        a = np.zeros((4, 4))
+        a[0, 2] = a[1, 3] = 1.0
+        a[2:, :2] = np.array(j[:4]).reshape(2, 2)
+        a[2:, 2:] = np.array(j[4:]).reshape(2, 2)
+        if np.all(np.isfinite(a)):
+            found.append(a)
+    return found

@@ -1,0 +1,215 @@
+"""Measured maps of the built FMUs: verdicts, boundaries against theory, what ends up on disk."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from xml.etree import ElementTree
+
+import pytest
+
+from curvebound.cli import main
+from curvebound.cosim import load_scene
+from curvebound.errors import CurveboundError
+from curvebound.study.stability.catalogue import catalogue
+from curvebound.study.stability.compact import write_compact
+from curvebound.study.stability.maps import Request, make_maps, values_of
+from curvebound.study.stability.probe import Probe
+from curvebound.study.stability.stability_map import map_column
+
+RADIUS = "bead.wire.radius"
+#: bisection, and steps met to about a percent
+CLOSE = 0.035
+#: semi-implicit Euler swings its energy by 1 / (1 - h w / 2): what is called growth, twenty-fold,
+#: it shows 5 % before its end
+SWINGING = {"rk4": CLOSE, "semi_implicit_euler": 0.07}
+
+
+@pytest.fixture(scope="module")
+def small_swing():
+    """The bead in its angle, from 1e-3 rad: a linear oscillator of sqrt(9.81 / radius) rad/s."""
+    scene = load_scene("bead_on_wire")
+    scene.set("bead.model.formulation", "angle").set("bead.bead.angle_start", 1e-3)
+    with Probe(scene, RADIUS, accuracy=1e-3) as probe:
+        yield probe
+
+
+def sizes(low: float, high: float, count: int = 5) -> list[float]:
+    return [low * (high / low) ** (i / (count - 1)) for i in range(count)]
+
+
+@pytest.mark.parametrize("radius", [0.01, 0.5])
+def test_small_swings_end_where_linear_theory_says(small_swing: Probe, radius: float) -> None:
+    omega = math.sqrt(9.81 / radius)
+    for method, y in (("rk4", 2.0 * math.sqrt(2.0)), ("semi_implicit_euler", 2.0)):
+        column = map_column(small_swing, method, radius, sizes(0.3 / omega, 9.0 / omega))
+        assert column.stable * omega == pytest.approx(y, rel=SWINGING[method])
+        assert column.stable == pytest.approx(column.at_rest, rel=SWINGING[method])
+        assert not column.accurate > 0.5 * column.stable
+    grows = math.log(21.0) / (omega * omega * 10.0)  # (1 + (h w)^2)^(10 s/h) = 21
+    column = map_column(small_swing, "explicit_euler", radius, sizes(0.1 * grows, 10.0 * grows))
+    assert column.stable == pytest.approx(grows, rel=CLOSE)
+    assert column.at_rest == pytest.approx(grows, rel=CLOSE)
+
+
+def test_two_modes_end_with_the_faster() -> None:
+    """The linear pendulum: 5.787 rad/s at the defaults, faster with a heavy bob."""
+    request = Request(
+        "pendulum_large",
+        "plant.pendulum.mass=1,1e3",
+        (("plant.model.fidelity", "linear"), ("plant.pendulum.angle_start", 0.5)),
+        ("semi_implicit_euler", "rk4"),
+        stop=100.0,
+        steps=(3e-3, 1.0, 6),
+    )
+    ((_, maps),) = make_maps([request])
+    for one, y in zip(maps, (2.0, 2.0 * math.sqrt(2.0)), strict=True):
+        assert one.columns[0].at_rest == pytest.approx(y / 5.78735129803610, rel=2e-3)
+        for column in one.columns:
+            assert column.stable == pytest.approx(column.at_rest, rel=SWINGING[one.method])
+    assert maps[0].columns[1].stable < 0.1 * maps[0].columns[0].stable
+
+
+def test_every_verdict_is_given_its_name(small_swing: Probe) -> None:
+    """By the size of the step alone: RK4 on an oscillator of 3.13 rad/s."""
+    assert small_swing.run(1.0, "rk4", 1e-3).kind == "accurate"
+    assert small_swing.run(1.0, "rk4", 0.5).kind == "inaccurate"
+    grown = small_swing.run(1.0, "rk4", 0.95)
+    assert grown.kind == "unstable"
+    assert grown.energy > 10.0
+    scene = load_scene("bead_on_wire").set("bead.bead.damping", 1e6)
+    with Probe(scene, RADIUS, accuracy=1e-3) as probe:
+        failed = probe.run(1.0, "explicit_euler", 0.01)
+    assert failed.kind == "failed"
+    assert "solver.step" in failed.message
+
+
+def test_states_that_grow_are_unstable_where_the_energy_balance_is_kept() -> None:
+    """A feedback loop sampled too slowly drives its plant away: its own energy balance holds."""
+    scene = load_scene("active_damping")
+    scene.set("plant.slider.u_start", 0.05).set("plant.pendulum.angle_start", 0.05)
+    with Probe(scene, "plant.pendulum.length", accuracy=1e-2) as probe:
+        assert probe.run(1.0, "rk4", 2e-3).kind == "accurate"
+        found = probe.run(1.0, "rk4", 0.8)
+        assert found.kind in ("unstable", "failed"), found
+
+
+def test_adaptive_is_mapped_over_its_tolerance(small_swing: Probe) -> None:
+    column = map_column(small_swing, "adaptive", 1.0, [1e-8, 1e-5, 1e-2])
+    assert column.accurate > 1e-5
+    assert column.stable == math.inf
+    assert math.isnan(column.at_rest)
+
+
+def test_the_command_writes_table_picture_and_page(tmp_path, capsys) -> None:
+    pytest.importorskip("matplotlib")
+    arguments = ["--method", "rk4", "--method", "adaptive", "--steps", "1e-3:1:5", "--stop", "2"]
+    vary = "bead.wire.radius=0.1:10:3(log)"
+    out = tmp_path / "maps"
+    assert main(["stability", "bead_on_wire", "--vary", vary, *arguments, "--out", str(out)]) == 0
+    folder = out / "bead_on_wire"
+    assert sorted(p.name for p in folder.iterdir()) == [
+        "bead_wire_radius.csv",
+        "bead_wire_radius.html",
+        "bead_wire_radius.png",
+        "bead_wire_radius_boundaries.csv",
+    ]
+    with (folder / "bead_wire_radius_boundaries.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row[RADIUS]) for row in rows] == pytest.approx([0.1, 1.0, 10.0] * 2)
+    assert float(rows[0]["stable_below"]) < float(rows[0]["theory_at_rest"])
+    assert rows[0]["size_is"] == "step (s)"
+    assert rows[3]["size_is"] == "tolerance"
+    with (folder / "bead_wire_radius.csv").open() as file:
+        verdicts = {row["verdict"] for row in csv.DictReader(file)}
+    assert {"accurate", "inaccurate"} <= verdicts
+    page = (folder / "bead_wire_radius.html").read_text()
+    assert "<svg" in page
+    assert "Runs of 2 s" in page
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        ("bead.wire.radius", "is not of the form"),
+        ("bead.wire.radius=1:2", "say in how many values"),
+        ("bead.wire.radius=-1:2:3:log", "one sign"),
+        ("bead.wire.radius=1,1", "given twice"),
+        ("bead.wire.radius=a,b", "a map varies numbers"),
+        ("bead.wire.radios=1:2:3", "did you mean wire.radius"),
+        ("bead.model.formulation=1:2:2", "no start value"),
+        ("bead.solver.step=1e-3:1e-2:3", "no start value"),
+        ("wire.radius=1:2:3", "vary a parameter of bead"),
+    ],
+)
+def test_a_bad_axis_is_refused_by_name(vary: str, message: str, capsys) -> None:
+    assert main(["stability", "bead_on_wire", "--vary", vary, "--no-plots"]) == 1
+    said = re.sub(r"\s+", " ", capsys.readouterr().err)
+    assert message in said
+    assert vary.partition("=")[0] in said
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [[], ["bead_on_wire"], ["--vary", "a.b=1:2:3"], ["--all", "--jobs", "0"]],
+)
+def test_wrong_usage_is_told_apart(arguments: list[str], capsys) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["stability", *arguments])
+    assert caught.value.code == 2
+
+
+def test_bad_steps_are_refused() -> None:
+    vary = ["--vary", "bead.wire.radius=1:2:2", "--no-plots"]
+    for steps in ("1e-3", "1e-2:1e-3:4", "1e-3:1:1"):
+        assert main(["stability", "bead_on_wire", *vary, "--steps", steps]) == 1
+    with pytest.raises(CurveboundError, match="after the start"):
+        Request("bead_on_wire", "bead.wire.radius=1:2:2", stop=-1.0).made()
+
+
+#: by FMU and variable: the least and the largest value that its map must hold
+RANGES = {
+    ("BeadOnWire", "wire.radius"): (1e-3, 1e3),
+    ("BeadOnWire", "bead.damping"): (0.0, 1e6),
+    ("BeadOnWire", "bead.angular_velocity_start"): (0.0, 1e3),
+    ("BeadOnWire", "gravity.y"): (-1e3, 1e3),
+    ("ParabolaPendulum", "pendulum.mass"): (1e-8, 1e8),
+    ("ParabolaPendulum", "parabola.coefficient_start"): (-1e4, 1e4),
+    ("ParabolaPendulum", "pendulum.length"): (1e-3, 1e3),
+    ("ParabolaPendulum", "slider.damping"): (0.0, 1e6),
+    ("ParabolaPendulum", "pendulum.damping"): (0.0, 1e6),
+    ("ParabolaPendulum", "slider.u_rate_start"): (0.0, 1e3),
+    ("ParabolaPendulum", "pendulum.angular_velocity_start"): (0.0, 1e3),
+    ("ParabolaPendulum", "gravity.y"): (-1e3, 1e3),
+}
+
+
+def test_the_catalogue_covers_the_ranges() -> None:
+    found = {(one.fmu, one.axis.path.partition(".")[2]): values_of(one) for one in catalogue()}
+    assert {key: (min(v), max(v)) for key, v in found.items()} == RANGES
+    for key in found:
+        if "gravity" in key[1] or "coefficient" in key[1]:
+            assert 0.0 in found[key]
+
+
+def test_the_documented_picture_is_small_and_whole(tmp_path) -> None:
+    one = catalogue(("rk4",))[0]
+    few = [Request.axis.fget(one).items[i] for i in (2, 3)]  # type: ignore[attr-defined]
+    short = type(one)(
+        **{
+            **one.__dict__,
+            "vary": f"{RADIUS}={few[0]},{few[1]}",
+            "durations": (1.0, 2.0),
+            "steps": (1e-2, 0.3, 3),
+        }
+    )
+    found = list(make_maps([short]))
+    assert [c.duration for c in found[0][1][0].columns] == [1.0, 2.0]
+    (path,) = write_compact(found, tmp_path)
+    assert path.name == "bead_on_wire_stability.svg"
+    root = ElementTree.fromstring(path.read_text())
+    assert root.tag.endswith("svg")
+    assert path.stat().st_size < 4000
+    assert "NaN" not in path.read_text()
+    assert "inf" not in path.read_text()

@@ -1,0 +1,99 @@
+"""Boundaries of linear theory against closed forms and against the methods themselves."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from curvebound.integrators import METHODS, create
+from curvebound.models.parabola_pendulum import parabola_pendulum
+from curvebound.study.stability.theory import FACTOR, boundary, jacobians, step_matrix, swings
+
+EXPLICIT = ("explicit_euler", "semi_implicit_euler", "rk4")
+
+
+def oscillator(omega: float, damping: float = 0.0) -> np.ndarray:
+    """q'' = -omega^2 q - damping q'."""
+    return np.array([[0.0, 1.0], [-omega * omega, -damping]])
+
+
+def linear_pendulum(**changes: float):
+    values = {
+        "gravity.x": 0.0,
+        "gravity.y": -9.81,
+        "parabola.coefficient_start": 0.5,
+        "parabola.coefficient_rate_start": 0.0,
+        "slider.mass": 1.0,
+        "pendulum.mass": 3.0,
+        "pendulum.length": 0.7,
+        "slider.damping": 0.4,
+        "pendulum.damping": 0.9,
+        "slider.u_start": 0.0,
+        "slider.u_rate_start": 0.0,
+        "pendulum.angle_start": 0.0,
+        "pendulum.angular_velocity_start": 0.0,
+        **changes,
+    }
+    choices = {"model.fidelity": 1}
+    model = parabola_pendulum(choices)
+    model.start(values, choices)
+    model.set_inputs([0.0] * len(model.INPUTS), 0)
+    return model
+
+
+@pytest.mark.parametrize("method", EXPLICIT)
+@pytest.mark.parametrize("h", [0.01, 0.3])
+def test_the_step_matrix_is_what_the_integrator_does(method: str, h: float) -> None:
+    """One step of the kernel's own integrator from each unit vector, damped and coupled."""
+    model = linear_pendulum()
+    (a,) = jacobians(model, [(0.0, 0.0, 0.0, 0.0)])
+    measured = np.zeros((4, 4))
+    for i in range(4):
+        start = [0.0] * 4
+        start[i] = 1.0
+        model.q0, model.q1, model.v0, model.v1 = start
+        create(METHODS.index(method) + 1).advance(model, h, 1, 1e-6, 10)
+        measured[:, i] = model.q0, model.q1, model.v0, model.v1
+    expected = step_matrix(method, a, h)
+    assert np.abs(measured - expected).max() < 1e-13 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("omega", [1e-3, 3.1, 4e5])
+def test_oscillators_end_where_the_stability_functions_say(omega: float) -> None:
+    """|R(i y)| = 1 at y = 2 sqrt 2 (RK4), the trace's bound at y = 2 (semi-implicit Euler)."""
+    a, run = oscillator(omega), 100.0 / omega
+    for method, y in (("rk4", 2.0 * math.sqrt(2.0)), ("semi_implicit_euler", 2.0)):
+        found = boundary(method, a, run, 1e-6 / omega, 10.0 / omega) * omega
+        assert y <= found < 1.01 * y  # a hair beyond: growth takes time
+        longer = boundary(method, a, 1e6 * run, 1e-6 / omega, 10.0 / omega) * omega
+        assert longer == pytest.approx(y, rel=1e-5)
+    found = boundary("explicit_euler", a, run, 1e-9 / omega, 10.0 / omega) * omega
+    # (1 + y^2)^(100 / y) = FACTOR
+    assert 100.0 / found * math.log1p(found * found) == pytest.approx(math.log(FACTOR), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("method", "z"),
+    # zeros of |R(-z)| - 1: 1 - z = -1; 1 - z + z^2/2 - z^3/6 + z^4/24 = 1
+    [("explicit_euler", 2.0), ("rk4", 2.785293563405282), ("semi_implicit_euler", 2.0)],
+)
+def test_damping_ends_at_the_real_bound(method: str, z: float) -> None:
+    rate = 7.0
+    found = boundary(method, oscillator(0.0, rate), 1e6, 1e-6, 1e2) * rate
+    assert found == pytest.approx(z, rel=1e-4)
+
+
+def test_beyond_what_is_asked_there_is_no_number() -> None:
+    a = oscillator(1.0)
+    assert boundary("rk4", a, 10.0, 1e-3, 1e-2) == math.inf
+    assert boundary("rk4", a, 1e6, 5.0, 10.0) == 0.0
+
+
+def test_true_growth_is_no_instability() -> None:
+    """An inverted pendulum falls: the method may grow as fast as the motion."""
+    a = np.array([[0.0, 1.0], [4.0, 0.0]])
+    assert not swings(a)
+    assert swings(oscillator(2.0))
+    assert boundary("rk4", a, 10.0, 1e-6, 1e3) > 1.0
