@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from small_models import Oscillator, Pendulum, Sliding, march
 
-from curvebound.integrators import create, radau
+from curvebound.integrators import create, elimination, radau_tables
 from curvebound.integrators.adaptive import Adaptive
-from curvebound.integrators.base import TOO_MANY_STEPS
+from curvebound.integrators.base import DONE, TOO_MANY_STEPS
 from curvebound.integrators.elapsed import Elapsed
 from curvebound.models.base import Jacobian
 
-S = radau.STAGES
-A = np.array(radau.A).reshape(S, S)
-B = np.array(radau.B).reshape(S, S)
-C = np.array(radau.NODES)
+S = radau_tables.STAGES
+A = np.array(radau_tables.A).reshape(S, S)
+B = np.array(radau_tables.B).reshape(S, S)
+C = np.array(radau_tables.NODES)
 
 
 def test_nodes_are_the_right_radau_points() -> None:
@@ -56,23 +56,21 @@ def test_tails_are_legendre_coefficients() -> None:
     rng = random.Random(1)
     coefficients = [rng.uniform(-1, 1) for _ in range(S)]
     values = np.polynomial.legendre.legval(2 * C - 1, coefficients)
-    assert np.dot(radau.HIGHEST, values) == pytest.approx(coefficients[6], abs=1e-13)
-    assert np.dot(radau.NEXT, values) == pytest.approx(coefficients[5], abs=1e-13)
+    assert np.dot(radau_tables.HIGHEST, values) == pytest.approx(coefficients[6], abs=1e-13)
+    assert np.dot(radau_tables.NEXT, values) == pytest.approx(coefficients[5], abs=1e-13)
 
 
 def test_elimination_exchanges_rows() -> None:
     rng = random.Random(3)
     n = 2 * S
-    work = radau.Radau()
     matrix = np.array([[rng.uniform(-1, 1) for _ in range(n)] for _ in range(n)])
     matrix[0, 0] = 0.0
     truth = np.array([rng.uniform(-1, 1) for _ in range(n)])
-    work.m = matrix.ravel().tolist()
-    work.r = (matrix @ truth).tolist()
-    assert radau.factorised(work.m, work.rows, n)
-    work.substitute(1.0, 1.0)
-    assert work.r == pytest.approx(truth, abs=1e-11)
-    assert not radau.factorised([0.0] * (n * n), work.rows, n)
+    m, rows, r = matrix.ravel().tolist(), [0] * n, (matrix @ truth).tolist()
+    assert elimination.factorised(m, rows, n)
+    elimination.substitute(m, rows, r, n)
+    assert r == pytest.approx(truth, abs=1e-11)
+    assert not elimination.factorised([0.0] * (n * n), rows, n)
 
 
 def overdamped(t: float, w: float, d: float) -> tuple[float, float]:
@@ -169,10 +167,10 @@ def test_stiff_state_continues_bit_for_bit_and_survives_failure() -> None:
 
 def test_most_steps_bound_stiff_tries_too() -> None:
     class Torn(Oscillator):
-        """Newton's method finds no stage: the Jacobian has the wrong sign and size."""
+        """Newton's method finds no stage of a long step: the Jacobian lacks the damping."""
 
         def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
-            return 1e12, 0.0, 0.0, 1e12, -1e6, 0.0, 0.0, -1e6
+            return -self.k0, 0.0, 0.0, -self.k1, -1.0, 0.0, 0.0, -1.0
 
     method = create(4)
     assert method.advance(Torn(damping=1e6), 1.0, 1, 1e-9, 500) == TOO_MANY_STEPS
@@ -204,3 +202,24 @@ def test_time_is_summed_exactly() -> None:
     assert elapsed.left(1.0) == 0.0
     elapsed.reset()
     assert (elapsed.t, elapsed.rest) == (0.0, 0.0)
+
+
+def test_rest_in_a_field_that_rounding_alone_excites() -> None:
+    """A stiff, damped spring far out: what moves is rounding, and takes no steps to follow."""
+
+    class Held(Oscillator):
+        def acceleration(
+            self, t: float, q0: float, q1: float, v0: float, v1: float
+        ) -> tuple[float, float]:
+            # the spring's end lies at 1000.1 m, where positions round to 1e-13 m
+            return -1e4 * (q0 - 1000.1) - 200.0 * v0, 0.0
+
+        def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+            return -1e4, 0.0, 0.0, 0.0, -200.0, 0.0, 0.0, 0.0
+
+    for start in (1000.1, 1000.1 * (1 + 3e-16)):
+        model, method = Held(), create(4)
+        model.q0, model.v0, model.q1, model.v1 = start, 0.0, 0.0, 0.0
+        assert method.advance(model, 1e5, 1, 1e-8, 2000) == DONE
+        assert model.q0 == pytest.approx(1000.1, rel=1e-15)
+        assert method.evaluations < 10_000

@@ -16,59 +16,18 @@ import math
 from typing import Final
 
 from ..models.base import Model
+from .elimination import factorised, substitute
+from .radau_tables import HIGHEST, NEXT, NODES, STAGES, A, B
 
-__all__ = ["STAGES", "Radau"]
-
-STAGES: Final = 7
-# fmt: off
-NODES: Final[list[float]] = [
-    0.029316427159784893, 0.1480785996684843, 0.3369846902811543, 0.5586715187715501,
-    0.7692338620300545, 0.9269456713197411, 1.0,
-]
-#: A by rows; the last are the weights of the new velocity
-A: Final[list[float]] = [
-    0.03754626499392133, -0.0140393345564604, 0.0103527896007423, -0.008158322540275011,
-    0.006388413879534685, -0.004602326779148656, 0.0018289425614706437,
-    0.08014759651561897, 0.08106206398589154, -0.021237992120711036, 0.014000291238817119,
-    -0.010234185730090163, 0.0071534651513645905, -0.0028126393724067235,
-    0.0720638469418819, 0.17106835498388662, 0.10961456404007211, -0.024619871728984055,
-    0.014760377043950817, -0.009575259396791401, 0.0036726783971383057,
-    0.07570512581982441, 0.15409015514217114, 0.2271077366732024, 0.11747818703702478,
-    -0.023810827153044174, 0.012709985533661206, -0.004608844281289633,
-    0.07391234216319184, 0.16135560761594242, 0.2068672415521042, 0.23700711534269422,
-    0.10308679353381345, -0.018854139152580447, 0.0058589009748887914,
-    0.07470556205979623, 0.1583072238724687, 0.21415342326720002, 0.21987784703186003,
-    0.19875212168063527, 0.06926550160550914, -0.00811600819772829,
-    0.07449423555601031, 0.15910211573365074, 0.21235188950297781, 0.22355491450728324,
-    0.19047493682211558, 0.1196137446126562, 0.02040816326530612,
-]
-#: Legendre coefficients of degree 6 and 5 of the polynomial through values at the nodes
-HIGHEST: Final[list[float]] = [
-    0.08678849688129067, -0.2850555093403964, 0.4967964255967085, -0.6563200757720513,
-    0.7108753061658264, -0.6183907659803575, 0.2653061224489796,
-]
-NEXT: Final[list[float]] = [
-    -0.23545886308724948, 0.6492304429323879, -0.7873737923346583, 0.5067122984583037,
-    8.06151367569484e-06, -0.3576079434008268, 0.22448979591836735,
-]
-# fmt: on
-
-
-def product(a: list[float]) -> list[float]:
-    """The square of a matrix of STAGES rows."""
-    return [
-        math.fsum([a[i * STAGES + k] * a[k * STAGES + j] for k in range(STAGES)])
-        for i in range(STAGES)
-        for j in range(STAGES)
-    ]
-
-
-B: Final[list[float]] = product(A)
+__all__ = ["Radau"]
 
 #: Newton corrections below this, relative, are rounding
 ROUNDING: Final = 1e-14
 #: corrections below this that shrink no more are the noise of the model's own arithmetic
 NOISE: Final = 1e-8
+EPSILON: Final = 2.220446049250313e-16
+#: how far corrections can be above the rounding of the accelerations
+SPREAD: Final = 8.0
 #: the contraction beyond which the matrix is made anew, and the most that is made of it
 SLOW: Final = 0.05
 MOST_ITERATIONS: Final = 15
@@ -96,6 +55,9 @@ class Radau:
         #: the factorised Newton matrix by rows, and its row exchanges
         self.m: list[float] = [0.0] * (4 * STAGES * STAGES)
         self.rows: list[int] = [0] * (2 * STAGES)
+        #: what the rounding of coordinates and rates makes of the accelerations
+        self.noise0: float = 0.0
+        self.noise1: float = 0.0
 
     def step(self, model: Model, t: float, h: float, bound: float) -> float:
         """Try a step of h s from time t.
@@ -125,8 +87,9 @@ class Radau:
             next0 += NEXT[i] * a[i]
             high1 += HIGHEST[i] * b[i]
             next1 += NEXT[i] * b[i]
-        tail0 = h * max(math.fabs(high0), math.fabs(next0))
-        tail1 = h * max(math.fabs(high1), math.fabs(next1))
+        # as far as it is no rounding, whose size tells nothing of shorter steps
+        tail0 = h * max(0.0, max(math.fabs(high0), math.fabs(next0)) - self.noise0)
+        tail1 = h * max(0.0, max(math.fabs(high1), math.fabs(next1)) - self.noise1)
         rest0 = model.coupling * s1 * c0 / c1
         rest1 = model.coupling * s0 * c1 / c0
         size = max(tail0 / max(s0, rest0), tail1 / max(s1, rest1))
@@ -183,18 +146,23 @@ class Radau:
         unit1 = max(math.fabs(model.v1), 1e-9 * model.q1_scale / h) / h
         for _ in range(MOST_ITERATIONS):
             self.place(model, h)
+            left0 = left1 = 0.0
             for i in range(STAGES):
                 f0, f1 = model.acceleration(
                     t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i]
                 )
-                r[i] = f0 - a[i]
-                r[STAGES + i] = f1 - b[i]
+                f0 -= a[i]
+                f1 -= b[i]
+                left0 = max(left0, math.fabs(f0))
+                left1 = max(left1, math.fabs(f1))
+                r[i] = f0
+                r[STAGES + i] = f1
             self.evaluations += STAGES
             if not fresh:
                 if not self.factorise(model, t, h, unit0, unit1):
                     return False
                 fresh = True
-            self.substitute(unit0, unit1)
+            self.correct(unit0, unit1)
             move0 = move1 = most0 = most1 = 0.0
             for i in range(STAGES):
                 a[i] += r[i]
@@ -211,7 +179,7 @@ class Radau:
             if size > 0.5 * least:
                 stalls += 1
                 if stalls >= 2:
-                    if least <= NOISE:
+                    if least <= NOISE or (left0 <= self.noise0 and left1 <= self.noise1):
                         break
                     if stalls >= 5:
                         return False
@@ -230,11 +198,24 @@ class Radau:
         n = 2 * STAGES
         hh = h * h
         ratio = unit1 / unit0
+        noise0 = noise1 = 0.0
         for i in range(STAGES):
             # by pairs of floats, in the order of Jacobian
             j00, j01, j10, j11, k00, k01, k10, k11 = model.jacobian(
                 t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i]
             )
+            x0 = math.fabs(self.x0[i])
+            x1 = math.fabs(self.x1[i])
+            w0 = math.fabs(self.w0[i])
+            w1 = math.fabs(self.w1[i])
+            rounding = (math.fabs(j00) * x0 + math.fabs(j01) * x1) + (
+                math.fabs(k00) * w0 + math.fabs(k01) * w1
+            )
+            noise0 = max(noise0, rounding)
+            rounding = (math.fabs(j10) * x0 + math.fabs(j11) * x1) + (
+                math.fabs(k10) * w0 + math.fabs(k11) * w1
+            )
+            noise1 = max(noise1, rounding)
             j01 *= ratio
             k01 *= ratio
             j10 /= ratio
@@ -252,58 +233,17 @@ class Radau:
             m[upper + i] += 1.0
             m[lower + STAGES + i] += 1.0
         self.evaluations += STAGES
+        self.noise0 = SPREAD * EPSILON * noise0
+        self.noise1 = SPREAD * EPSILON * noise1
         return factorised(m, self.rows, n)
 
-    def substitute(self, unit0: float, unit1: float) -> None:
+    def correct(self, unit0: float, unit1: float) -> None:
         """Turn the residuals into corrections."""
         r = self.r
-        m = self.m
-        n = 2 * STAGES
         for i in range(STAGES):
             r[i] /= unit0
             r[STAGES + i] /= unit1
-        for i in range(n):
-            p = self.rows[i]
-            x = r[p]
-            r[p] = r[i]
-            row = n * i
-            for j in range(i):
-                x -= m[row + j] * r[j]
-            r[i] = x
-        for i in range(n - 1, -1, -1):
-            x = r[i]
-            row = n * i
-            for j in range(i + 1, n):
-                x -= m[row + j] * r[j]
-            r[i] = x / m[row + i]
+        substitute(self.m, self.rows, r, 2 * STAGES)
         for i in range(STAGES):
             r[i] *= unit0
             r[STAGES + i] *= unit1
-
-
-def factorised(m: list[float], rows: list[int], n: int) -> bool:
-    """Replace the n x n matrix by its triangles, rows exchanged; False where it is singular."""
-    for i in range(n):
-        p = i
-        most = math.fabs(m[n * i + i])
-        for k in range(i + 1, n):
-            x = math.fabs(m[n * k + i])
-            if x > most:
-                most = x
-                p = k
-        if not 0.0 < most <= LARGEST:
-            return False
-        rows[i] = p
-        if p != i:
-            for j in range(n):
-                x = m[n * i + j]
-                m[n * i + j] = m[n * p + j]
-                m[n * p + j] = x
-        inverse = 1.0 / m[n * i + i]
-        for k in range(i + 1, n):
-            f = m[n * k + i] * inverse
-            if f != 0.0:
-                for j in range(i + 1, n):
-                    m[n * k + j] -= f * m[n * i + j]
-            m[n * k + i] = f
-    return True

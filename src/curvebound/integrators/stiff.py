@@ -12,7 +12,8 @@ from typing import Final
 from ..models.base import Model
 from .base import DONE, STEP_TOO_SMALL, TOO_MANY_STEPS
 from .elapsed import Elapsed
-from .radau import STAGES, Radau
+from .radau import Radau
+from .radau_tables import STAGES
 
 __all__ = ["Stiff", "is_stiff"]
 
