@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from curvebound.cosim import load_scene
@@ -33,6 +34,17 @@ def test_starts_stay_within_their_range() -> None:
     for found in (surrounding(system, 0.2, 12), unseen(system, 0.2, 30)):
         for path, values in found.items():
             assert max(abs(values / own[path] - 1.0)) <= 0.2 + 1e-12
+
+
+def test_starts_of_feedback_vary_about_its_set_point_and_keep_the_shape() -> None:
+    """A fifth of an angle of pi would be a fall, and another parabola one that is not held."""
+    system = load_scene("inverted_balance").check()
+    found = unseen(system, 0.2, 30)
+    assert list(found) == ["plant.pendulum.angle_start"]
+    distance = np.pi - found["plant.pendulum.angle_start"]
+    assert 0.08 < distance.min() < distance.max() < 0.12
+    driven = unseen(load_scene("pumped_swing").check(), 0.2, 30)  # a law without feedback
+    assert "plant.parabola.coefficient_start" in driven
 
 
 @pytest.fixture(scope="module")

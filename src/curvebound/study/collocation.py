@@ -9,7 +9,7 @@ short enough.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -99,6 +99,29 @@ class Trajectory:
         self._coefficients.append(coefficients)
         self.final = end
         self.end = float(time + size)
+
+    def arrays(self) -> dict[str, Array]:
+        """All of it as arrays, for `of_arrays`."""
+        return {
+            "begin": np.array(self.begin),
+            "end": np.array(self.end),
+            "final": self.final,
+            "times": np.array(self._times, dtype=float),
+            "sizes": np.array(self._sizes, dtype=Number),
+            "states": np.array(self._states, dtype=Number),
+            "coefficients": np.array(self._coefficients, dtype=Number),
+        }
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, Array]) -> Trajectory:
+        """The trajectory that `arrays` took apart."""
+        made = cls(float(arrays["begin"]), arrays["final"])
+        made.end = float(arrays["end"])
+        made._times = [float(t) for t in arrays["times"]]
+        made._sizes = list(arrays["sizes"])
+        made._states = list(arrays["states"])
+        made._coefficients = list(arrays["coefficients"])
+        return made
 
     def extrapolated(self, share: Array) -> Array | None:
         """Integral of the last step's rate beyond its end, per its size: a first guess."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from .collocation import NOISE, Trajectory, collocate
 from .equations import Array, system_of
 from .extrapolation import extrapolate
+from .kept import keep, key_of, load
 from .monolith import Monolith, Value, _Inputs
 
 if TYPE_CHECKING:
@@ -43,8 +44,8 @@ class Reference:
         monolith: Monolith,
         trajectory: Trajectory,
         paths: Sequence[str],
-        checks: Sequence[float],
-        witness: Mapping[str, Array],
+        checks: Sequence[float] | Array,
+        uncertainty: Mapping[str, Array],
         how: str,
     ) -> None:
         self.paths = list(paths)
@@ -54,13 +55,7 @@ class Reference:
         self._monolith = monolith
         self._trajectory = trajectory
         self._checks = np.array(checks)
-        own = self.values(self._checks)
-        self._uncertainty = {}
-        for path in paths:
-            difference = np.abs(own[path] - witness[path])
-            doubt = 2.0 * difference + NOISE * np.abs(own[path])
-            doubt = np.where(np.isfinite(doubt), doubt, np.inf)
-            self._uncertainty[path] = np.maximum.accumulate(doubt, axis=0).astype(float)
+        self._uncertainty = dict(uncertainty)
 
     def values(self, times: Sequence[float] | NDArray[Any]) -> dict[str, Array]:
         """Outputs by path at times (k,), each of shape (k, members), in extended precision."""
@@ -90,6 +85,7 @@ def refer(
     continuous: whether control laws and input functions act all the time, see monolith.
     progress: called now and then with the share done.
     Raises CurveboundError for a component without equations or a motion that ends in between.
+    References are kept on disk, see kept.py.
     """
     end = system.scene.stop_time if stop is None else stop
     begin = system.scene.start_time
@@ -99,27 +95,48 @@ def refer(
             progress(share)
 
     own = Monolith(system, changes, continuous=continuous)
+    key = key_of(system, paths, end, changes, continuous)
+    known = load(key, own)
+    if known is not None:
+        trajectory = Trajectory.of_arrays(known)
+        doubts = {path: known[f"uncertainty {path}"] for path in paths}
+        return Reference(own, trajectory, paths, known["checks"], doubts, str(known["how"]))
     nodes = 9 if own.is_sampled else 14
     trajectory, checks, _ = _collocated(own, begin, end, nodes, lambda x: tell(0.5 * x))
     exact_at, exact = _closed_form(system, own, changes, continuous, begin, end)
     if exact is not None:
         plain = Monolith(system, changes, continuous=continuous)
-        witness = plain.observe(paths, np.array(exact_at), exact)
+        checks, states = exact_at, exact
+        witness = plain.observe(paths, np.array(checks), states)
         how = "collocation; " + _closed_form_name(system)
-        return Reference(own, trajectory, paths, exact_at, witness, how)
-    other = Monolith(system, changes, continuous=continuous, witness=True)
-    if other.members > 1:
-        # the midpoint rule gains nothing from many members at once, collocation does
-        _, _, states = _collocated(
-            other, begin, end, nodes + 3, lambda x: tell(0.5 + 0.5 * x), checks
-        )
-        how = "collocation; collocation of another order"
     else:
-        states = _extrapolated(other, begin, end, checks, lambda x: tell(0.5 + 0.5 * x))
-        how = "collocation; extrapolated midpoint rule"
-    witness = other.observe(paths, np.array(checks), states)
-    how += " on Cartesian coordinates with multipliers"
-    return Reference(own, trajectory, paths, checks, witness, how)
+        other = Monolith(system, changes, continuous=continuous, witness=True)
+        if other.members > 1:
+            # the midpoint rule gains nothing from many members at once, collocation does
+            _, _, states = _collocated(
+                other, begin, end, nodes + 3, lambda x: tell(0.5 + 0.5 * x), checks
+            )
+            how = "collocation; collocation of another order"
+        else:
+            states = _extrapolated(other, begin, end, checks, lambda x: tell(0.5 + 0.5 * x))
+            how = "collocation; extrapolated midpoint rule"
+        witness = other.observe(paths, np.array(checks), states)
+        how += " on Cartesian coordinates with multipliers"
+    values = own.observe(paths, np.array(checks), trajectory.states(checks))
+    doubts = {path: _doubt(values[path], witness[path]) for path in paths}
+    kept = {f"uncertainty {path}": doubt for path, doubt in doubts.items()}
+    kept |= {**trajectory.arrays(), "checks": np.array(checks), "how": np.array(how)}
+    keep(key, own, kept)
+    return Reference(own, trajectory, paths, checks, doubts, how)
+
+
+def _doubt(values: Array, witness: Array) -> Array:
+    """Uncertainty up to each check, shape (k, members), from two computations."""
+    difference = np.abs(values - witness)
+    doubt = 2.0 * difference + NOISE * np.abs(values)
+    doubt = np.where(np.isfinite(doubt), doubt, np.inf)
+    doubts: Array = np.maximum.accumulate(doubt, axis=0).astype(float)
+    return doubts
 
 
 def _collocated(

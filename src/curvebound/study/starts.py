@@ -1,4 +1,9 @@
-"""Ensembles of initial values about those of a scene."""
+"""Ensembles of initial values about those of a scene.
+
+Starts vary in proportion to their size; where feedback holds the value at a set point, in
+proportion to their distance from it (upright is an angle of pi, and a fifth of that is a fall), and
+what the gains of the feedback are made for, the parabola's shape, stays.
+"""
 
 from __future__ import annotations
 
@@ -7,23 +12,50 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .monolith import equations_of
+
 if TYPE_CHECKING:
     from ..cosim.system import System
 
-__all__ = ["initial_values", "surrounding", "unseen"]
+__all__ = ["initial_values", "set_points", "surrounding", "unseen"]
 
 
 def initial_values(system: System) -> dict[str, float]:
-    """The initial values of a scene by path, those that are not zero: parameters `*_start`."""
+    """The initial values of a scene that can vary, by path: parameters `*_start`, not zero."""
     found: dict[str, float] = {}
+    shapes = _held(system)[1]
     for name, node in system.nodes.items():
         for variable in node.fmu.variables.values():
             if not (variable.name.endswith("_start") and variable.kind == "Real"):
                 continue
             value = float(node.start.get(variable.name, variable.start or 0.0))
-            if value != 0.0:
+            if value != 0.0 and f"{name}.{variable.name}" not in shapes:
                 found[f"{name}.{variable.name}"] = value
     return found
+
+
+def set_points(system: System) -> dict[str, float]:
+    """The values at which feedback holds what begins at a parameter `*_start`, by its path.
+
+    A set point that equals the start, and so leaves nothing to vary, is none.
+    """
+    own = initial_values(system)
+    held = _held(system)[0]
+    return {path: held[path] for path, start in own.items() if held.get(path, start) != start}
+
+
+def _held(system: System) -> tuple[dict[str, float], set[str]]:
+    """Set points of feedback, and the shapes that it was made for, by path of the start value."""
+    held: dict[str, float] = {}
+    shapes: set[str] = set()
+    for link in system.links:
+        (name, measured), (law, which) = link.source, link.target
+        equations = equations_of(system.nodes[law], {})
+        points = equations.set_points()
+        if which in points:
+            held[f"{name}.{measured}_start"] = points[which]
+            shapes.update(f"{name}.{shape}" for shape in equations.DESIGNED_FOR)
+    return held, shapes
 
 
 def surrounding(
@@ -47,7 +79,7 @@ def surrounding(
     ]
     points = [np.zeros(dimensions), *corners[:count]]
     points += [np.array([column[i] for column in columns]) for i in range(max(0, inside))]
-    return _scaled(own, np.array(points), spread)
+    return _scaled(own, set_points(system), np.array(points), spread)
 
 
 def unseen(
@@ -56,10 +88,14 @@ def unseen(
     """`count` starts drawn evenly from the same box, as arrays (count,) by path."""
     own = initial_values(system)
     points = np.random.default_rng([seed, 12345]).uniform(-1.0, 1.0, (count, len(own)))
-    return _scaled(own, points, spread)
+    return _scaled(own, set_points(system), points, spread)
 
 
-def _scaled(own: dict[str, float], points: NDArray[Any], spread: float) -> dict[str, Any]:
+def _scaled(
+    own: dict[str, float], centres: dict[str, float], points: NDArray[Any], spread: float
+) -> dict[str, Any]:
+    """Values by path; points, shape (count, len(own)): -1 to 1, where 1 is the full spread."""
     return {
-        path: value * (1.0 + spread * points[:, i]) for i, (path, value) in enumerate(own.items())
+        path: value + (value - centres.get(path, 0.0)) * spread * points[:, i]
+        for i, (path, value) in enumerate(own.items())
     }

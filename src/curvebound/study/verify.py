@@ -2,17 +2,17 @@
 
 For each scene and bound the choice is run from fresh starts within the range that it was tuned for,
 and its cost is set against the cheapest setting of the whole grid that meets the bound at the
-scene's own start and, like the choice, at 95 % of the fresh ones; both are timed in turn.
+scene's own start and, like the choice, at 95 % of the fresh ones; both are timed in turn. A start
+counts as judged where the reference is 100 times surer than the bound for at least a tenth of the
+run; the time up to which it is, is stated.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from ..bench.timing import interleave, median
 from ..cosim import load_scene
@@ -23,10 +23,11 @@ from .study import study_outputs
 from .truth import Truths
 from .tune import Choice, Tuner
 
-__all__ = ["BOUNDS", "Case", "verify_scene"]
+__all__ = ["BOUNDS", "MOST", "SHARE", "Case", "verify_scene"]
 
 BOUNDS = (1e-2, 1e-4, 1e-6, 1e-9)
-_SHARE = 0.95
+SHARE = 0.95  # of the fresh starts at which a bound is to be met
+MOST = 1.5  # cost over that of the grid's best
 _TIMED = 3  # of the grid's cheapest that are timed against the choice
 
 
@@ -34,14 +35,16 @@ _TIMED = 3  # of the grid's cheapest that are timed against the choice
 class Case:
     """One scene at one bound.
 
-    met: fresh starts at which the bound was met, of `fresh`; ratio: cost over that of the grid's
-    best, None where the grid has none; worst: largest error over its bound.
+    met: fresh starts at which the bound was met, of `judged`, of `fresh` that were run.
+    worst: largest error over its bound; until: time (s) up to which all starts are judged.
+    ratio: cost over that of the grid's best, None where the grid has none.
     """
 
     scene: str
     bound: float
     setting: str
     met: int
+    judged: int
     fresh: int
     worst: float
     cpu: float
@@ -49,12 +52,26 @@ class Case:
     best_cpu: float | None
     ratio: float | None
     until: float
+    stop: float
     runs: int
     advice: str = ""
 
     def as_row(self) -> dict[str, Any]:
         """As plain data."""
         return dict(vars(self))
+
+    @property
+    def remark(self) -> str:
+        """What the numbers do not say, in words."""
+        words = []
+        if self.setting == "none":
+            words.append(f"nothing fits; {self.advice}" if self.advice else "nothing fits")
+            words.append(f"the grid has {self.best}" if self.best != "none" else "nor in the grid")
+        if self.judged < self.fresh:
+            words.append(f"{self.fresh - self.judged} starts not judged")
+        if self.until < self.stop * (1.0 - 1e-9):
+            words.append(f"judged up to {self.until:.3g} s of {self.stop:g} s")
+        return "; ".join(words)
 
 
 def verify_scene(
@@ -76,24 +93,37 @@ def verify_scene(
         checks = Truths(tuner.system, tuner.space, paths, changes=starts)
         tell(f"{name}: reference of {fresh} fresh starts")
         _ = checks.reference
-        grid = _Grid(tuner, checks, starts, fresh, quick)
-        cases = []
+        chosen = []
         for bound in bounds:
-            limits = dict.fromkeys(paths, bound)
             tell(f"{name}: {bound:g}: tuning")
-            choice = tuner.tune(limits)
-            tell(f"{name}: {bound:g}: the grid")
-            cases.append(grid.case(name, bound, limits, choice))
+            chosen.append((bound, tuner.tune(dict.fromkeys(paths, bound))))
+        tell(f"{name}: the grid")
+        grid = _Grid(tuner, checks, starts, fresh, quick, _ceiling(c for _, c in chosen))
+        cases = []
+        for bound, choice in chosen:
+            tell(f"{name}: {bound:g}: fresh starts")
+            cases.append(grid.case(name, bound, dict.fromkeys(paths, bound), choice))
         return cases
     finally:
         tuner.close()
+
+
+def _ceiling(choices: Iterable[Choice]) -> float:
+    """Cost (CPU s per s) beyond which no setting of the grid can undercut a choice."""
+    return max((3.0 * c.chosen.cpu if c.chosen else math.inf for c in choices), default=math.inf)
 
 
 class _Grid:
     """All settings of the grid at the tuner's macro step, run once from the scene's own start."""
 
     def __init__(
-        self, tuner: Tuner, checks: Truths, starts: dict[str, Any], fresh: int, quick: bool
+        self,
+        tuner: Tuner,
+        checks: Truths,
+        starts: dict[str, Any],
+        fresh: int,
+        quick: bool,
+        ceiling: float,
     ) -> None:
         self.tuner = tuner
         self.checks = checks
@@ -103,7 +133,9 @@ class _Grid:
         for family in self._families(quick):
             before: tuple[Setting, float] | None = None
             for setting in family.settings:
-                if before is not None and self._expected(before, setting) > tuner.limit:
+                if before is not None and (
+                    self._expected(before, setting) > tuner.limit or before[1] > ceiling
+                ):
                     break
                 outcome = tuner.runner.glance(setting)
                 before = (setting, outcome.cpu)
@@ -112,7 +144,7 @@ class _Grid:
                 verdicts = tuner.truths.errors(outcome.times, outcome.outputs, member=0)
                 errors = {path: v.worst for path, v in verdicts.items()}
                 self.known.append((setting, errors, outcome.cpu))
-        self._misses: dict[tuple[str, float], list[float]] = {}
+        self._misses: dict[tuple[str, float], list[_Miss]] = {}
 
     def _families(self, quick: bool) -> list[Family]:
         step, algorithm = self.tuner.step, self.tuner.scene.algorithm
@@ -133,23 +165,24 @@ class _Grid:
             return cpu * self.tuner.span
         return cpu * self.tuner.span * last.size / setting.size
 
-    def misses(self, setting: Setting, limits: dict[str, float]) -> list[float]:
-        """Largest error over its bound at each fresh start."""
+    def misses(self, setting: Setting, limits: dict[str, float]) -> list[_Miss]:
+        """What a setting comes to at each fresh start."""
         key = (setting.key, next(iter(limits.values())))
         if key not in self._misses:
-            found = []
-            for member in range(self.fresh):
-                start = {path: float(values[member]) for path, values in self.starts.items()}
-                outcome = self.tuner.runner.glance(setting, start)
-                if outcome.failure or len(outcome.times) < 2:
-                    found.append(math.inf)
-                    continue
-                verdicts = self.checks.errors(
-                    outcome.times, outcome.outputs, member=member, least=limits
-                )
-                found.append(max(v.worst / limits[path] for path, v in verdicts.items()))
-            self._misses[key] = found
+            self._misses[key] = [self._miss(setting, limits, i) for i in range(self.fresh)]
         return self._misses[key]
+
+    def _miss(self, setting: Setting, limits: dict[str, float], member: int) -> _Miss:
+        start = {path: float(values[member]) for path, values in self.starts.items()}
+        outcome = self.tuner.runner.glance(setting, start)
+        if outcome.failure or len(outcome.times) < 2:
+            return _Miss(math.inf, True, math.inf)
+        verdicts = self.checks.errors(outcome.times, outcome.outputs, member=member, least=limits)
+        return _Miss(
+            max(v.worst / limits[path] for path, v in verdicts.items()),
+            all(v.judged for v in verdicts.values()),
+            min(v.until for v in verdicts.values()),
+        )
 
     def _cheapest(self, limits: dict[str, float], cpu: float) -> list[Setting]:
         """The grid's cheapest settings that meet the bounds, by a first timing."""
@@ -160,10 +193,10 @@ class _Grid:
         ]
         found: list[Setting] = []
         for spent, setting in sorted(good, key=lambda pair: pair[0]):
-            if found and (len(found) >= _TIMED or spent > 1.5 * cpu):
+            if len(found) >= _TIMED or (found and spent > 2.0 * cpu):
                 break
-            met = sum(miss <= 1.0 for miss in self.misses(setting, limits))
-            if met >= _SHARE * self.fresh:
+            misses = [m for m in self.misses(setting, limits) if m.judged]
+            if sum(m.size <= 1.0 for m in misses) >= SHARE * len(misses):
                 found.append(setting)
         return found
 
@@ -178,17 +211,33 @@ class _Grid:
         costs = {key: median(values) for key, values in interleave(probes, 5).items()}
         best = min(rivals, key=lambda s: costs[s.key], default=None)
         best_cpu = costs[best.key] if best else None
+        case = Case(
+            name, bound, "none", 0, 0, 0, choice.best.miss, math.inf,
+            best.label if best else "none", best_cpu, None, choice.until,
+            self.tuner.scene.stop_time, choice.runs, choice.advice,
+        )  # fmt: skip
         if choice.chosen is None:
-            return Case(
-                name, bound, "none", 0, 0, choice.best.miss, math.inf,
-                best.label if best else "none", best_cpu, None, choice.until, choice.runs,
-                choice.advice,
-            )  # fmt: skip
+            return case
         setting = choice.chosen.setting
         misses = self.misses(setting, limits)
-        cpu = costs[setting.key]
-        return Case(
-            name, bound, setting.label, sum(m <= 1.0 for m in misses), self.fresh,
-            float(np.max(misses)), cpu, best.label if best else "none", best_cpu,
-            cpu / best_cpu if best_cpu else None, choice.until, choice.runs,
-        )  # fmt: skip
+        known = [m for m in misses if m.judged]
+        return replace(
+            case,
+            setting=setting.label,
+            met=sum(m.size <= 1.0 for m in known),
+            judged=len(known),
+            fresh=self.fresh,
+            worst=max((m.size for m in known), default=math.nan),
+            cpu=costs[setting.key],
+            ratio=costs[setting.key] / best_cpu if best_cpu else None,
+            until=min((m.until for m in known), default=choice.until),
+        )
+
+
+@dataclass(frozen=True)
+class _Miss:
+    """Largest error over its bound from one start, whether and up to what time (s) it is judged."""
+
+    size: float
+    judged: bool
+    until: float

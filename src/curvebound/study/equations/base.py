@@ -30,6 +30,8 @@ class Equations:
 
     #: names of the components of the state; none for a control law
     STATE: ClassVar[tuple[str, ...]] = ()
+    #: start values of what a control law measures that its gains are made for: not motion, shape
+    DESIGNED_FOR: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, parameters: Mapping[str, Any]) -> None:
         self.parameters = parameters
@@ -55,6 +57,10 @@ class Equations:
     def breaks(self) -> list[float]:
         """Times (s) at which the outputs are not smooth functions of time and inputs."""
         return []
+
+    def set_points(self) -> dict[str, float]:
+        """The values at which a control law holds its inputs, by name; none without feedback."""
+        return {}
 
 
 class Witness:

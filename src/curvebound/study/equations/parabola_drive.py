@@ -25,6 +25,8 @@ _MEASURED = (
 class Law(Equations):
     """parabola.ax = clip(-K (measurement - reference) + waveform); no state."""
 
+    DESIGNED_FOR = ("parabola.coefficient_start",)
+
     def __init__(self, parameters: Mapping[str, Any]) -> None:
         super().__init__(parameters)
         self.gains = {name: parameters["feedback." + name.replace(".", "_")] for name in _MEASURED}
@@ -45,6 +47,13 @@ class Law(Equations):
         if self.kind == "chirp":
             return [begin, begin + float(np.ravel(p["waveform.duration"])[0])]
         return [begin]
+
+    def set_points(self) -> dict[str, float]:
+        if not any(np.any(gain != 0) for gain in self.gains.values()):
+            return {}
+        return {
+            name: float(np.ravel(self.reference.get(name, Number(0)))[0]) for name in self.gains
+        }
 
     def waveform(self, time: Array) -> Array:
         """In the unit of the waveform's axis."""

@@ -1,0 +1,81 @@
+"""References on disk: the same values, another key for another question, damage healed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from curvebound.cosim import Scene, load_scene
+from curvebound.study import reference
+from curvebound.study.kept import key_of
+from curvebound.study.reference import refer
+
+pytest.importorskip("mpmath")
+PATHS = ["plant.slider.u", "drive.parabola.ax"]
+
+
+def short(stop: float = 0.3) -> Scene:
+    scene = load_scene("active_damping")
+    scene.stop_time = stop
+    return scene
+
+
+@pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    short().check()  # FMUs keep their own cache
+    monkeypatch.setenv("CURVEBOUND_CACHE", str(tmp_path))
+    return tmp_path / "references"
+
+
+def test_what_is_kept_is_what_was_computed(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    changes = {"plant.slider.u_start": np.array([0.4, 0.5, 0.6])}
+    system = short().check()
+    first = refer(system, PATHS, changes=changes)
+    monkeypatch.setattr(reference, "collocate", None)  # it cannot be computed again
+    again = refer(system, PATHS, changes=changes)
+    times = np.linspace(0.0, 0.3, 77)
+    for path in PATHS:
+        assert np.array_equal(first.values(times)[path], again.values(times)[path])
+        assert np.array_equal(first.uncertainty(path, times), again.uncertainty(path, times))
+    assert again.how == first.how
+
+
+def test_a_file_that_was_cut_short_is_made_again(fresh: Path) -> None:
+    system = short(0.05).check()
+    first = refer(system, PATHS)
+    (file,) = fresh.glob("*.npz")
+    file.write_bytes(file.read_bytes()[:1000])
+    again = refer(system, PATHS)
+    assert np.array_equal(first.values([0.05])[PATHS[0]], again.values([0.05])[PATHS[0]])
+    assert file.stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"paths": ["plant.slider.u"]},
+        {"stop": 0.2},
+        {"continuous": True},
+        {"changes": {"plant.slider.u_start": 0.6}},
+        {"changes": {"plant.model.fidelity": "linear"}},
+    ],
+    ids=str,
+)
+def test_another_question_has_another_key(change: dict[str, Any]) -> None:
+    system = short().check()
+    asked = {"paths": PATHS, "stop": 0.3, "changes": {}, "continuous": False}
+    assert key_of(system, **asked) != key_of(system, **{**asked, **change})
+
+
+@pytest.mark.parametrize("path", ["plant.slider.u_start", "drive.feedback.slider_u"])
+def test_another_scene_has_another_key_but_another_solver_has_not(path: str) -> None:
+    keys = []
+    for changes in ({}, {path: 0.123}, {"plant.solver.method": "implicit"}):
+        scene = short()
+        for name, value in changes.items():
+            scene.set(name, value)
+        keys.append(key_of(scene.check(), PATHS, 0.3, None, False))
+    assert keys[0] == keys[2] != keys[1]
