@@ -213,18 +213,38 @@ def _sample(options: argparse.Namespace) -> bool:
 
 
 def _long(options: argparse.Namespace) -> bool:
+    """All long runs; with --method those of the bead over many periods alone."""
     from rich.console import Console
 
+    from ..study.extras import require
+    from ..study.stability.benchmark import SETTINGS, print_benchmark, run_one
+    from ..study.stability.endurance import print_endurance, run_endurance
     from ..study.stability.long_runs import METHODS, print_long, run_long
 
-    console = Console(highlight=False)
+    require("study")
     methods = [m for m in METHODS if not options.method or m in options.method]
+    others = () if options.method else tuple(range(len(SETTINGS)))
+    calls = int(options.calls)
     results = []
-    with _bar(console) as bar:
-        task = bar.add_task("long runs", total=len(methods), note="")
+    marks = []
+    with _bar(Console(highlight=False)) as bar:
+        task = bar.add_task("long runs", total=len(methods) + len(others), note="")
         for method in methods:
             bar.update(task, description=f"{options.periods:g} periods, {method}")
             results.append(run_long(method, options.periods))
             bar.advance(task)
+        for number in others:
+            bar.update(task, description=f"2000 s, {SETTINGS[number][0]}")
+            marks.append(run_one(number))
+            bar.advance(task)
     print_long(results)
-    return all(one.as_expected for one in results)
+    good = all(one.as_expected for one in results)
+    if options.method:
+        return good
+    print_benchmark(marks)
+    good = all(one.good for one in marks) and good
+    with _bar(Console(highlight=False)) as bar:
+        task = bar.add_task("communication steps", total=calls, note="")
+        endurance = run_endurance(calls, lambda n: bar.update(task, completed=n))
+    print_endurance(endurance)
+    return endurance.good and good
