@@ -235,6 +235,9 @@ def copy_of(tmp_path: Path) -> Callable[[Unpacked, str], Unpacked]:
 
 
 _ODD = '''
+import sys
+from threading import get_ident
+
 from pythonfmu import Fmi2Causality, Fmi2Slave, Integer, Real, String
 from pythonfmu.enums import Fmi2Status
 
@@ -253,6 +256,9 @@ class Odd(Fmi2Slave):
         self.register_variable(Integer("act", causality=Fmi2Causality.parameter))
         self.register_variable(Real("y", causality=Fmi2Causality.output))
         self.register_variable(String("text", causality=Fmi2Causality.parameter))
+        if HANDS_OVER:
+            methods = (self.do_step, self.get_real, self.set_real, self.log_queue)
+            sys.__dict__.setdefault("curvebound_handover", {})[get_ident()] = methods
 
     def perform(self, where):
         if self.act == 1:
@@ -280,14 +286,20 @@ class Odd(Fmi2Slave):
 '''
 
 
+@pytest.fixture(scope="session", params=[False, True], ids=["by_wrapper", "directly"])
+def hands_over(request: pytest.FixtureRequest) -> bool:
+    """Whether the odd FMU hands its methods to the forwarding library, as this project's do."""
+    return bool(request.param)
+
+
 @pytest.fixture(scope="session")
-def odd(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+def odd(hands_over: bool, tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     """A plain PythonFMU FMU behind the forwarding library, which fails as it is told."""
     folder = tmp_path_factory.mktemp("odd")
     library = forwarding.compile_forwarder()
     if library is None:
         pytest.skip(forwarding.why_not())
-    (folder / "odd_slave.py").write_text(_ODD)
+    (folder / "odd_slave.py").write_text(f"{_ODD}\n\nHANDS_OVER = {hands_over}\n")
     before = sys.path[:]
     archive = FmuBuilder.build_FMU(folder / "odd_slave.py", dest=folder)
     sys.path[:] = before

@@ -165,7 +165,8 @@ def acting(odd, act):
 GOOD = ["setup 0 - 0 -", "enter 0", "exit 0", "step 0 0 0.5", "get 0 1"]
 
 
-def test_an_exception_is_an_error_and_the_instance_lives(host, odd):
+def test_an_exception_is_an_error_and_the_instance_lives(host, odd, hands_over):
+    """PythonFMU's wrapper gives an instance up whose code raises: its values are lost."""
     result = host(
         [
             *odd.start(),
@@ -181,11 +182,12 @@ def test_an_exception_is_an_error_and_the_instance_lives(host, odd):
         ]
     )
     status = [a[0] for a in result.answers]
-    assert status == ["OK"] * 7 + ["Error"] * 4 + ["OK"] * 7
+    readable = ["OK", "Error", "OK"] if hands_over else ["Error"] * 3
+    assert status == ["OK"] * 7 + ["Error", *readable] + ["OK"] * 7
     assert len(result.logs[7]) == 1
     assert result.logs[7][0][1] == "Error"
     assert "ValueError('raised in the step, 100 %s %n of it')" in result.logs[7][0][3]
-    assert all(len(group) == 1 for group in result.logs[8:11])
+    assert [len(group) for group in result.logs[8:11]] == [s == "Error" for s in readable]
     assert result.answers[-2] == ["OK", "2"]
 
 

@@ -18,11 +18,11 @@ from .table import (
     ERROR,
     INPUT,
     LARGEST,
-    NO_GROUP,
     NOT_REAL,
     OUTPUT,
     OVERFLOW,
     PARAMETER,
+    Layout,
     Message,
     Table,
 )
@@ -63,14 +63,11 @@ class Engine:
         self.tolerance_defined: bool = False
         #: whether tunable parameters are among what waits
         self.retuned: bool = False
-        #: group of each output by value reference, NO_GROUP for what needs no computation
-        self.groups: list[int] = [
-            NO_GROUP if table.is_real(vr) else NOT_REAL for vr in range(table.size)
-        ]
-        #: the outputs of each group, and whether they are up to date
-        self.members: list[list[int]] = []
-        self.fresh: list[bool] = []
-        self.feedthrough: list[int] = []
+        #: the groups of the outputs
+        self.layout: Layout = table.layouts[0]
+        #: the groups that are up to date, those that depend on inputs: bit k stands for group k
+        self.fresh: int = 0
+        self.feedthrough: int = 0
         self.watch: Watch = Watch()
 
     # -- messages ----------------------------------------------------------------------------------
@@ -129,8 +126,9 @@ class Engine:
         table = self.table
         self.start()
         inputs = list(range(table.first_input, table.first_output))
+        groups = self.layout.groups
         return [
-            inputs if self.groups[vr] in self.feedthrough and self.groups[vr] >= 0 else []
+            inputs if groups[vr] >= 0 and self.feedthrough >> groups[vr] & 1 else []
             for vr in range(table.size)
         ]
 
@@ -215,8 +213,7 @@ class Engine:
             return message
         self.stale = False
         self.pending = True
-        for i in range(len(self.fresh)):
-            self.fresh[i] = False
+        self.fresh = 0
         return ""
 
     def parameters(self) -> tuple[dict[str, float], dict[str, int]]:
@@ -280,17 +277,17 @@ class Engine:
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values of Real variables; outputs are computed when first read after a change."""
         reals = self.reals
-        groups = self.groups
+        groups = self.layout.groups
         fresh = self.fresh
-        size = self.table.size
+        size = len(groups)
         values: list[float] = []
         for vr in vrs:
             group = groups[vr] if 0 <= vr < size else NOT_REAL
             if group >= 0:
-                if not fresh[group]:
+                if not fresh >> group & 1:
                     self.refresh(group)
-                    # the first reading after a start makes new tables
-                    groups = self.groups
+                    # the first reading after a start may find another layout
+                    groups = self.layout.groups
                     fresh = self.fresh
             elif group == NOT_REAL:
                 self.unknown(vr, "Real")
@@ -308,13 +305,14 @@ class Engine:
         if self.pending and not self.bad_value():
             self.take_inputs()
             self.pending = False
-        self.fresh[group] = True
+        self.fresh |= 1 << group
+        members = self.layout.members[group]
+        reals = self.reals
         try:
             self.observe(group)
         except (ZeroDivisionError, OverflowError, ValueError):
-            self.reals[self.members[group][0]] = math.inf
-        reals = self.reals
-        for vr in self.members[group]:
+            reals[members[0]] = math.inf
+        for vr in members:
             x = reals[vr]
             if not -OVERFLOW <= x <= OVERFLOW:
                 reals[vr] = -OVERFLOW if x < 0.0 else OVERFLOW
@@ -325,22 +323,11 @@ class Engine:
 
     def grouped(self, outputs: dict[str, int], feedthrough: tuple[int, ...]) -> None:
         """Take over the groups of the system's outputs."""
-        table = self.table
-        declared = table.names[table.first_output : table.first_count]
-        if declared != list(outputs):
-            raise ValueError(
-                f"the outputs are declared as {declared}, but computed as {list(outputs)}"
-            )
-        last = 0
-        for group in outputs.values():
-            last = max(last, group)
-        self.members = [[] for _ in range(last + 1)]
-        for name, group in outputs.items():
-            vr = self.table.by_name[name]
-            self.groups[vr] = group
-            self.members[group].append(vr)
-        self.fresh = [False] * (last + 1)
-        self.feedthrough = list(feedthrough)
+        self.layout = self.table.layout(outputs)
+        self.fresh = 0
+        self.feedthrough = 0
+        for group in feedthrough:
+            self.feedthrough |= 1 << group
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set parameters or inputs."""
@@ -361,12 +348,7 @@ class Engine:
                     self.retuned = True
                 else:
                     self.stale = True
-        if self.stale or self.retuned:
-            for g in range(len(self.fresh)):
-                self.fresh[g] = False
-        else:
-            for g in self.feedthrough:
-                self.fresh[g] = False
+        self.fresh = 0 if self.stale or self.retuned else self.fresh & ~self.feedthrough
 
     def may_set(self, vr: int) -> bool:
         """Whether a parameter may be set now; says why not."""
@@ -412,8 +394,7 @@ class Engine:
                 self.stale = self.mode < STEPPING
                 self.retuned = True
                 self.pending = True
-        for g in range(len(self.fresh)):
-            self.fresh[g] = False
+        self.fresh = 0
 
     # -- stepping ----------------------------------------------------------------------------------
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -449,9 +430,7 @@ class Engine:
         if message:
             return self.fail(message)
         self.time = end
-        fresh = self.fresh
-        for g in range(len(fresh)):
-            fresh[g] = False
+        self.fresh = 0
         if self.watch.due():
             self.look()
         return True
@@ -500,8 +479,7 @@ class Engine:
         self.stale = head[4] != 0.0
         self.pending = True
         self.retuned = True
-        for g in range(len(self.fresh)):
-            self.fresh[g] = False
+        self.fresh = 0
 
 
 class System:

@@ -142,14 +142,14 @@ class PlantEngine(Engine):
     def output(self, name: str) -> float:
         """An output by name, brought up to date."""
         vr = self.table.by_name[name]
-        group = self.groups[vr]
-        if not self.fresh[group]:
+        group = self.layout.groups[vr]
+        if not self.fresh >> group & 1:
             queued = len(self.queue)
             self.refresh(group)
             if len(self.queue) > queued:
                 # one does not fit a float: that fails a reading, where it is said, but not a step
                 del self.queue[queued:]
-                self.fresh[group] = False
+                self.fresh &= ~(1 << group)
         return self.reals[vr]
 
     def look(self) -> None:

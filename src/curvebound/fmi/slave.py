@@ -14,6 +14,7 @@ import json
 import os
 import sys
 import zlib
+from threading import get_ident
 from typing import TYPE_CHECKING, Any
 
 from pythonfmu.fmi2slave import Fmi2Slave
@@ -100,6 +101,10 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         # Instance attributes: the wrapper then calls the compiled methods without a Python frame.
         for name in ("do_step", "get_real", "set_real", "get_integer", "set_integer"):
             setattr(self, name, getattr(engine, name))
+        if sys.platform in self.forwarded:
+            # to the forwarding library, which takes it as soon as the wrapper has returned
+            handover = sys.__dict__.setdefault("curvebound_handover", {})
+            handover[get_ident()] = (engine.do_step, engine.get_real, engine.set_real, engine.queue)
         resources = self.resources
         if resources and sys.path.count(resources) > 1:
             sys.path.remove(resources)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["ERROR", "WARNING", "Message", "Table"]
+__all__ = ["ERROR", "WARNING", "Layout", "Message", "Table"]
 
 # fmi2Status
 WARNING: Final = 1
@@ -39,6 +39,20 @@ class Message:
         self.debug = False
 
 
+class Layout:
+    """The groups in which a system's outputs are computed; shared by the instances that have it."""
+
+    def __init__(
+        self, outputs: dict[str, int], groups: list[int], members: list[list[int]]
+    ) -> None:
+        #: the outputs by name, with the group of each
+        self.outputs = outputs
+        #: group by value reference: NO_GROUP for what needs no computation, else NOT_REAL
+        self.groups = groups
+        #: the outputs of each group
+        self.members = members
+
+
 class Table:
     """The variables of an FMU by value reference; shared by its instances."""
 
@@ -68,6 +82,10 @@ class Table:
         self.first_output = self._first(OUTPUT)
         self.first_count = self._first(COUNT)
         self.by_name = {name: i for i, name in enumerate(names)}
+        #: that of an instance without a system, then those of the systems met so far
+        self.layouts: list[Layout] = [
+            Layout({}, [NO_GROUP if self.is_real(vr) else NOT_REAL for vr in range(self.size)], [])
+        ]
 
     def _first(self, kind: int) -> int:
         for i in range(len(self.kinds)):
@@ -78,3 +96,23 @@ class Table:
     def is_real(self, vr: int) -> bool:
         kind = self.kinds[vr]
         return kind == PARAMETER or kind == INPUT or kind == OUTPUT
+
+    def layout(self, outputs: dict[str, int]) -> Layout:
+        """The layout of a system with these outputs, which must be the declared ones."""
+        for known in self.layouts:
+            if known.outputs is outputs:
+                return known
+        declared = self.names[self.first_output : self.first_count]
+        if declared != list(outputs):
+            raise ValueError(
+                f"the outputs are declared as {declared}, but computed as {list(outputs)}"
+            )
+        groups = self.layouts[0].groups[:]
+        members: list[list[int]] = [[] for _ in range(max(outputs.values()) + 1)]
+        for name, group in outputs.items():
+            vr = self.by_name[name]
+            groups[vr] = group
+            members[group].append(vr)
+        found = Layout(outputs, groups, members)
+        self.layouts.append(found)
+        return found

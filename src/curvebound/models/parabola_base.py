@@ -27,27 +27,27 @@ _OUTPUTS: Final[dict[str, int]] = {
     "pendulum.angular_velocity": 0,
     "slider.x": 0,
     "slider.y": 0,
-    "slider.vx": 0,
-    "slider.vy": 0,
+    "slider.vx": 1,
+    "slider.vy": 1,
     "pendulum.x": 0,
     "pendulum.y": 0,
-    "pendulum.vx": 0,
-    "pendulum.vy": 0,
-    "parabola.x": 0,
-    "parabola.y": 0,
-    "parabola.vx": 0,
-    "parabola.vy": 0,
-    "parabola.coefficient": 0,
-    "parabola.coefficient_rate": 0,
-    "energy.kinetic": 1,
-    "energy.potential": 1,
-    "energy.total": 1,
-    "energy.residual": 1,
-    "constraint.normal_force": 2,
-    "pendulum.tension": 2,
-    "parabola.fx": 2,
-    "parabola.fy": 2,
-    "model.acceleration_error": 3,
+    "pendulum.vx": 1,
+    "pendulum.vy": 1,
+    "parabola.x": 2,
+    "parabola.y": 2,
+    "parabola.vx": 2,
+    "parabola.vy": 2,
+    "parabola.coefficient": 2,
+    "parabola.coefficient_rate": 2,
+    "energy.kinetic": 3,
+    "energy.potential": 3,
+    "energy.total": 3,
+    "energy.residual": 3,
+    "constraint.normal_force": 4,
+    "pendulum.tension": 4,
+    "parabola.fx": 4,
+    "parabola.fy": 4,
+    "model.acceleration_error": 5,
 }
 
 
@@ -80,7 +80,7 @@ class ParabolaBase(FramedModel):
         "pendulum.fy",
     )
     OUTPUTS: ClassVar[dict[str, int]] = _OUTPUTS
-    FEEDTHROUGH: ClassVar[tuple[int, ...]] = (2, 3)
+    FEEDTHROUGH: ClassVar[tuple[int, ...]] = (4, 5)
 
     def __init__(self) -> None:
         super().__init__()
@@ -221,10 +221,14 @@ class ParabolaBase(FramedModel):
 
     def observe(self, group: int, values: list[float], first: int) -> None:
         if group == 0:
-            self.write_motion(values, first)
+            self.write_places(values, first)
         elif group == 1:
-            self.write_energies(values, first + 18)
+            self.write_velocities(values, first)
         elif group == 2:
+            self.write_parabola(values, first)
+        elif group == 3:
+            self.write_energies(values, first + 18)
+        elif group == 4:
             (
                 values[first + 22],
                 values[first + 23],
@@ -234,30 +238,33 @@ class ParabolaBase(FramedModel):
         else:
             values[first + 26] = self.acceleration_error()
 
-    def write_motion(self, values: list[float], first: int) -> None:
+    def write_places(self, values: list[float], first: int) -> None:
         """Write the outputs of group 0."""
         u = self.q0
-        du = self.v0
+        x = self.x + u
+        y = self.y + self.a * u * u
         values[first] = u
-        values[first + 1] = du
+        values[first + 1] = self.v0
         values[first + 2] = unwind(self.q1, self.turns)
         values[first + 3] = self.v1
-        au = self.a * u
-        x = self.x + u
-        y = self.y + au * u
-        vx = self.vx + du
-        vy = self.vy + (2.0 * au * du + self.a_rate * u * u)
         values[first + 4] = x
         values[first + 5] = y
+        values[first + 8] = x + self.r * math.sin(self.q1)
+        values[first + 9] = y - self.r * math.cos(self.q1)
+
+    def write_velocities(self, values: list[float], first: int) -> None:
+        """Write the outputs of group 1."""
+        u = self.q0
+        vx = self.vx + self.v0
+        vy = self.vy + (2.0 * (self.a * u) * self.v0 + self.a_rate * u * u)
+        speed = self.r * self.v1
         values[first + 6] = vx
         values[first + 7] = vy
-        s = math.sin(self.q1)
-        c = math.cos(self.q1)
-        speed = self.r * self.v1
-        values[first + 8] = x + self.r * s
-        values[first + 9] = y - self.r * c
-        values[first + 10] = vx + speed * c
-        values[first + 11] = vy + speed * s
+        values[first + 10] = vx + speed * math.cos(self.q1)
+        values[first + 11] = vy + speed * math.sin(self.q1)
+
+    def write_parabola(self, values: list[float], first: int) -> None:
+        """Write the outputs of group 2."""
         values[first + 12] = self.x
         values[first + 13] = self.y
         values[first + 14] = self.vx
