@@ -1,0 +1,238 @@
+"""Every point of a random sample run through its FMU and judged against the exact motion.
+
+A point is accurate, or it failed (the FMU refused the step with a message), or it is wrong: an
+error above what is allowed, and no word about it.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...cosim.prepared import Prepared
+from ...cosim.results import RunFailed
+from ...cosim.scene import Scene
+from ...errors import CurveboundError
+from ..equations import Array
+from .characteristic import Exact, exact
+from .ranges import SYSTEMS, Point, draw
+
+__all__ = ["ALLOWED", "PARTS", "Outcome", "Settings", "judge", "run_sample"]
+
+#: largest relative error of an accurate point
+ALLOWED = 1e-6
+#: communication steps of a run
+PARTS = 20
+#: a coordinate below this part of the system's length (a rate: of length per characteristic time)
+#: counts as at rest, and is measured by that
+REST = 1e-6
+#: coordinates, then their rates, in the order of the reference's states
+OUTPUTS = {
+    "bead": ("bead.angle", "bead.angular_velocity"),
+    "pendulum": (
+        "slider.u",
+        "pendulum.angle",
+        "slider.u_rate",
+        "pendulum.angular_velocity",
+    ),
+}
+_ENERGY = ("energy.kinetic", "energy.potential", "energy.residual")
+_WORK = ("solver.steps", "solver.evaluations")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a sample is run with: `times` characteristic times, at most `max_steps` a step."""
+
+    system: str
+    method: str = "adaptive"
+    tolerance: float = 1e-8
+    times: float = 10.0
+    max_steps: int = 20000
+    fmu: Path | None = None
+
+
+@dataclass
+class Outcome:
+    """What became of a point.
+
+    verdict: accurate, failed, wrong, crashed, or unknown (no reference). error: the largest over
+    all outputs and times, relative. energy: the largest residual over the energy at stake.
+    """
+
+    point: Point
+    verdict: str
+    error: float = float("nan")
+    output: str = ""
+    energy: float = float("nan")
+    end: float = float("nan")
+    steps: int = 0
+    evaluations: int = 0
+    seconds: float = 0.0
+    message: str = ""
+
+
+@dataclass
+class _Worker:
+    """A process's scene, kept from point to point."""
+
+    settings: Settings
+    prepared: Prepared = field(init=False)
+
+    def __post_init__(self) -> None:
+        settings = self.settings
+        name, _ = SYSTEMS[settings.system]
+        scene = Scene(f"sample_{settings.system}", stop_time=1.0, step=1.0)
+        scene.add(
+            "plant",
+            settings.fmu or name,
+            {
+                "solver.method": settings.method,
+                "solver.tolerance": settings.tolerance,
+                "solver.max_steps": settings.max_steps,
+            },
+        )
+        names = (*OUTPUTS[settings.system], *_ENERGY, *_WORK)
+        scene.record(*(f"plant.{name}" for name in names))
+        self.prepared = scene.prepare()
+
+    def run(self, point: Point) -> Outcome:
+        """Judge one point."""
+        settings = self.settings
+        try:
+            reference = exact(settings.system, point.values, count=settings.times, parts=PARTS)
+        except CurveboundError as error:
+            return Outcome(point, "unknown", message=str(error))
+        outcome = Outcome(point, "accurate", end=reference.end)
+        start = {f"plant.{name}": value for name, value in point.values.items()}
+        began = clock.perf_counter()
+        try:
+            result = self.prepared.run(start, stop_time=reference.end, step=reference.end / PARTS)
+        except RunFailed as failure:
+            outcome.seconds = clock.perf_counter() - began
+            outcome.verdict, outcome.message = "failed", failure.cause
+            return outcome
+        outcome.seconds = clock.perf_counter() - began
+        columns = {name: result[f"plant.{name}"] for name in (*OUTPUTS[settings.system], *_ENERGY)}
+        outcome.error, outcome.output = judge(settings.system, point, reference, columns)
+        outcome.energy = _energy(columns)
+        outcome.steps = int(result["plant.solver.steps"][-1])
+        outcome.evaluations = int(result["plant.solver.evaluations"][-1])
+        if not outcome.error <= ALLOWED:
+            outcome.verdict = "wrong"
+        return outcome
+
+
+def judge(
+    system: str, point: Point, reference: Exact, columns: dict[str, Array]
+) -> tuple[float, str]:
+    """The largest relative error over time, and the output that has it.
+
+    Each coordinate and rate is measured by its own largest value in the run; angles by a radian, or
+    by the angle turned through where that is more; what hardly moves by REST of the length.
+    """
+    names = OUTPUTS[system]
+    rows = (0, 2) if system == "bead" else (0, 1, 2, 3)
+    exact_values = reference.states[list(rows)]
+    time = reference.end / 10.0
+    half = len(names) // 2
+    worst, name_of_worst = 0.0, ""
+    for i, name in enumerate(names):
+        values = exact_values[i]
+        coordinate = exact_values[i % half]
+        if names[i % half].endswith("angle"):
+            length = max(1.0, float(np.abs(coordinate - coordinate[0]).max()))
+        else:
+            length = max(float(point.values["pendulum.length"]), float(np.abs(coordinate).max()))
+        if i >= half:
+            scale = max(float(np.abs(values).max()), REST * length / time)
+        elif name.endswith("angle"):
+            scale = length
+        else:
+            scale = max(float(np.abs(values).max()), REST * length)
+        error = float(np.abs(columns[name] - values).max()) / scale
+        if not error <= worst:
+            worst, name_of_worst = error, name
+    return worst, name_of_worst
+
+
+def _energy(columns: dict[str, Array]) -> float:
+    """The largest residual over the energy at stake."""
+    potential = columns["energy.potential"]
+    at_stake = np.abs(columns["energy.kinetic"]).max() + np.abs(potential - potential[0]).max()
+    residual = float(np.abs(columns["energy.residual"]).max())
+    return residual / float(at_stake) if at_stake > 0.0 else residual
+
+
+_worker: _Worker | None = None
+
+
+def _begin(settings: Settings) -> None:
+    global _worker
+    _worker = _Worker(settings)
+
+
+def _judged(points: Sequence[Point]) -> list[Outcome]:
+    assert _worker is not None
+    return [_worker.run(point) for point in points]
+
+
+def run_sample(
+    settings: Settings,
+    count: int,
+    seed: int,
+    *,
+    jobs: int = 1,
+    progress: Callable[[int], None] | None = None,
+) -> list[Outcome]:
+    """The outcomes of the first `count` points, in their order; the same for any number of jobs.
+
+    progress: called with the number of points done. A point that ends its process is reported as
+    crashed, and the others go on.
+    """
+    points = draw(settings.system, count, seed)
+    outcomes: list[Outcome] = []
+    for part in _parts(settings, points, jobs):
+        outcomes += part
+        if progress is not None:
+            progress(len(outcomes))
+    return sorted(outcomes, key=lambda one: one.point.number)
+
+
+def _parts(settings: Settings, points: Sequence[Point], jobs: int) -> Iterator[list[Outcome]]:
+    """Outcomes by chunks of points, each computed in another process."""
+    size = max(1, min(20, len(points) // (4 * jobs)))
+    chunks = [points[i : i + size] for i in range(0, len(points), size)]
+    while chunks:
+        lost: list[Sequence[Point]] = []
+        with _pool(settings, jobs) as pool:
+            futures: list[Any] = [pool.submit(_judged, chunk) for chunk in chunks]
+            for chunk, future in zip(chunks, futures, strict=True):
+                try:
+                    yield future.result()
+                except BrokenProcessPool:
+                    lost.append(chunk)
+        if not lost:
+            return
+        # one of the lost points ends its process: find it in the first chunk, alone
+        for point in lost[0]:
+            with _pool(settings, 1) as pool:
+                try:
+                    yield pool.submit(_judged, [point]).result()
+                except BrokenProcessPool:
+                    yield [Outcome(point, "crashed", message="the FMU ended its process")]
+        chunks = lost[1:]
+
+
+def _pool(settings: Settings, jobs: int) -> ProcessPoolExecutor:
+    # spawned, not forked: a forked interpreter shares the state of libraries that have threads
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(jobs, context, _begin, (settings,))

@@ -1,0 +1,84 @@
+"""What a random sample leaves on disk, and what is said of it."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..files import write_rows
+from .sample import ALLOWED, Outcome, Settings
+
+__all__ = ["passes", "print_sample", "write_sample"]
+
+#: share of the points that may fail with a message
+MOST_FAILURES = 0.01
+
+
+def passes(outcomes: Sequence[Outcome]) -> bool:
+    """Whether none is wrong or crashed, and less than MOST_FAILURES failed or are unknown."""
+    count = Counter(one.verdict for one in outcomes)
+    refused = count["failed"] + count["unknown"]
+    return count["wrong"] + count["crashed"] == 0 and refused < MOST_FAILURES * len(outcomes)
+
+
+def write_sample(outcomes: Sequence[Outcome], out: Path) -> Path:
+    """Every point with its values as CSV."""
+
+    def number(x: float) -> float | None:
+        return None if math.isnan(x) else x
+
+    rows: list[dict[str, Any]] = [
+        {
+            "number": one.point.number,
+            "verdict": one.verdict,
+            "error": number(one.error),
+            "output": one.output,
+            "energy": number(one.energy),
+            "stop_time": number(one.end),
+            "steps": one.steps,
+            "evaluations": one.evaluations,
+            "seconds": round(one.seconds, 6),
+            "message": one.message,
+            **one.point.values,
+        }
+        for one in outcomes
+    ]
+    return write_rows(rows, out)
+
+
+def print_sample(outcomes: Sequence[Outcome], settings: Settings, seed: int) -> None:
+    """Counts, the largest errors and work, and every point that is not accurate."""
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    count = Counter(one.verdict for one in outcomes)
+    said = ", ".join(f"{n} {verdict}" for verdict, n in count.most_common())
+    console.print(
+        f"[bold]{settings.system}[/], {len(outcomes)} points, seed {seed}, {settings.method} at "
+        f"{settings.tolerance:g}, {settings.times:g} characteristic times: {said}",
+        soft_wrap=True,
+    )
+    judged = [one for one in outcomes if not math.isnan(one.error)]
+    if judged:
+        errors = sorted(one.error for one in judged)
+        worst = max(judged, key=lambda one: one.error)
+        console.print(
+            f"relative error: median {errors[len(errors) // 2]:.1e}, 99 % below "
+            f"{errors[int(0.99 * len(errors))]:.1e}, largest {worst.error:.1e} "
+            f"(point {worst.point.number}, {worst.output}); allowed {ALLOWED:g}",
+            soft_wrap=True,
+        )
+        most = max(judged, key=lambda one: one.evaluations)
+        console.print(
+            f"work: median {sorted(o.evaluations for o in judged)[len(judged) // 2]} evaluations, "
+            f"most {most.evaluations} (point {most.point.number}); slowest run "
+            f"{max(one.seconds for one in outcomes):.2g} s",
+            soft_wrap=True,
+        )
+    for one in outcomes:
+        if one.verdict != "accurate":
+            detail = one.message or f"error {one.error:.1e} of {one.output}"
+            console.print(f"{one.verdict}: point {one.point.number}: {detail}", soft_wrap=True)
