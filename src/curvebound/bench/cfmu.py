@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
-import tempfile
 import zipfile
 from pathlib import Path
 from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from ..errors import CurveboundError
+from ..files import write_whole
 from ..fmi.units import UNITS
 from .native import SOURCES, shared_library
 
@@ -99,15 +98,10 @@ def build_c_fmu(name: str, out: Path) -> Path:
     variables = _variables(table)
     guid = hashlib.sha256(_model_description(name, "", variables).encode()).hexdigest()[:32]
     library = shared_library("fmu.c", switch, f'GUID="{guid}"')
-    out.mkdir(parents=True, exist_ok=True)
-    target = out / f"{name}.fmu"
-    handle, half = tempfile.mkstemp(suffix=".fmu", dir=out)
-    os.close(handle)
-    try:
+
+    def write(half: Path) -> None:
         with zipfile.ZipFile(half, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("modelDescription.xml", _model_description(name, guid, variables))
             archive.write(library, f"binaries/{fmpy.platform}/{name}{fmpy.sharedLibraryExtension}")
-        os.replace(half, target)
-    finally:
-        Path(half).unlink(missing_ok=True)
-    return target
+
+    return write_whole(out / f"{name}.fmu", write)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +11,7 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
+from ..files import write_whole
 from .results import Cell, Section, Table, Target
 
 __all__ = ["as_data", "print_report", "save"]
@@ -114,13 +113,5 @@ def as_data(sections: list[Section], machine: dict[str, str], rounds: int) -> di
 
 def save(data: dict[str, Any], path: Path) -> None:
     """Write `data` as JSON, whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, half = tempfile.mkstemp(dir=path.parent, suffix=".json")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(data, file, indent=1)
-            file.write("\n")
-        os.chmod(half, 0o644)
-        os.replace(half, path)
-    finally:
-        Path(half).unlink(missing_ok=True)
+    text = json.dumps(data, indent=1) + "\n"
+    write_whole(path, lambda half: half.write_text(text, encoding="utf-8"))

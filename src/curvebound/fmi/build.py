@@ -6,7 +6,6 @@ import contextlib
 import hashlib
 import importlib
 import importlib.util
-import os
 import re
 import sys
 import tempfile
@@ -19,6 +18,7 @@ from typing import NamedTuple
 from pythonfmu.builder import FmuBuilder
 
 from ..errors import CurveboundError
+from ..files import write_whole
 from ..places import fmus_directory
 from . import compile as kernel
 from . import forwarding
@@ -116,7 +116,8 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
             how = f"kernel compiled for {sys.implementation.cache_tag}"
     forwarder = forwarding.compile_forwarder()
     package = sources.package(compiled=bool(extensions))
-    described = b"".join((_HERE / f"{part}.py").read_bytes() for part in ("description", "units"))
+    parts = ("description.py", "units.py", forwarding.SOURCE.name)
+    described = b"".join((_HERE / part).read_bytes() for part in parts)
     digest = hashlib.sha256(sources.digest.encode() + source + described).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     suffix = digest[:12] + ("c" if extensions else "")
@@ -145,12 +146,6 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
         how += ", forwarding library for linux64"
     else:
         how += f", PythonFMU's binary ({forwarding.why_not()})"
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CurveboundError(
-            f"the folder {out} cannot be made ({error}): choose another"
-        ) from error
     path = out / f"{name}.fmu"
     _write(path, files)
     seconds = time.perf_counter() - began
@@ -212,20 +207,16 @@ def _isolate(files: dict[str, bytes], package: str) -> None:
 
 
 def _write(path: Path, files: dict[str, bytes]) -> None:
-    """Write the archive with sorted names and one date, then rename it into place."""
+    """Write the archive with sorted names and one date, whole or not at all."""
     date = max(timestamp().timetuple()[:6], (1980, 1, 1, 0, 0, 0))
-    handle, scratch = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
+
+    def write(scratch: Path) -> None:
+        with zipfile.ZipFile(scratch, "w") as archive:
             for name in sorted(files, key=lambda n: (n != "modelDescription.xml", n)):
                 info = zipfile.ZipInfo(name, date_time=date)
                 info.compress_type = zipfile.ZIP_DEFLATED
                 info.external_attr = (0o755 if name.endswith((".so", ".dll")) else 0o644) << 16
                 info.create_system = 3
                 archive.writestr(info, files[name])
-        os.chmod(scratch, 0o644)
-        os.replace(scratch, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(scratch)
-        raise
+
+    write_whole(path, write)
