@@ -1,6 +1,6 @@
-"""Prints the figures of the masters: convergence, adaptive steps, jumps, size.
+"""Prints the figures of the masters: convergence, adaptive steps, jumps, size, extremes.
 
-python tests/cosim/figures.py [convergence energy adaptive damping jump size]
+python tests/cosim/figures.py [convergence energy adaptive damping jump size amplification feedback]
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from pythonfmu import FmuBuilder
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import amplification as linear
 import test_convergence as masses
 import test_sampled_loop as loop
 from scipy.integrate import solve_ivp
@@ -180,8 +181,53 @@ def size() -> None:
         )
 
 
+def amplification() -> None:
+    h, k = 0.1, (10.0, 1000.0)
+    print(
+        f"Two coupled masses, H = {h} s: growth per macro step, closed form / measured (400 steps)"
+    )
+    print("  coupling (N/m)" + "".join(f"{name:>24s}" for name in ALGORITHMS))
+    for kc in (1.0, 100.0, 350.0, 2.5e3, 1e6):
+        cells = []
+        for name in ALGORITHMS:
+            scene = two_masses(k, kc, (1.0, -0.3), (0.0, 0.0), 400 * h, h, algorithm=name)
+            size = np.abs(scene.run()["one.x"])
+            measured = (size[300:].max() / size[100:200].max()) ** (1.0 / 200.0)
+            expected = linear.radius(linear.masses(name, k, kc, h))
+            cells.append(f"{expected:14.5f} / {measured:.5f}")
+        print(f"  {kc:14g}" + "".join(f"{cell:>24s}" for cell in cells))
+
+
+def feedback() -> None:
+    gain = np.array(list(gains().values()))
+    scene = load_scene("active_damping")
+    scene.recorded.clear()
+    scene.record(*loop.OUTPUTS)
+    scene.set("plant.model.fidelity", "linear").set("plant.solver.method", "exact")
+    scene.set("drive.limit.acceleration", 1e300)  # or the drive would end the growth
+    with scene.prepare() as prepared:
+
+        def grows(h: float) -> bool:
+            result = prepared.run(stop_time=400.0 * h, step=h)
+            size = np.max([np.abs(result[name]) for name in loop.OUTPUTS], axis=0)
+            return bool(size[300:].max() > size[100:200].max())
+
+        def end(test) -> float:
+            low, high = 0.01, 2.0
+            high = next(h for h in np.linspace(low, high, 100) if test(h))
+            while high - low > 1e-5 * high:
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if test(middle) else (middle, high)
+            return low
+
+        theory = end(lambda h: linear.radius(linear.sampled(gain, h)) > 1.0)
+        print(f"active_damping, linear: stable to a sample period of {theory:.4f} s (closed form), "
+              f"{end(grows):.4f} s (measured)")  # fmt: skip
+
+
 if __name__ == "__main__":
     MASS = _mass()
-    chosen = sys.argv[1:] or ["convergence", "energy", "adaptive", "damping", "jump", "size"]
+    every = ["convergence", "energy", "adaptive", "damping", "jump", "size"]
+    chosen = sys.argv[1:] or [*every, "amplification", "feedback"]
     for one in chosen:
         globals()[one]()
