@@ -44,7 +44,8 @@ class BeadAngle(BeadBase):
         a0 = self.uy * math.sin(q0)
         ux = self.ux
         if ux != 0.0:
-            a0 += ux * math.cos(q0)
+            # + 0.0: of the same number C compilers make sine and cosine at once, needed or not
+            a0 += ux * math.cos(q0 + 0.0)
         k = self.k
         if k != 0.0:
             a0 -= k * v0
