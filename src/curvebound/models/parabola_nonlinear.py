@@ -18,12 +18,16 @@ across the parabola:
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from .angles import TURN
 from .base import Jacobian
 from .parabola_base import ParabolaBase
 
 __all__ = ["ParabolaNonlinear"]
+
+#: of the pull that brings a slider back, relative: it leaves for slopes of a thousand without
+LEAST_PULL: Final = 1e-6
 
 
 class ParabolaNonlinear(ParabolaBase):
@@ -47,8 +51,13 @@ class ParabolaNonlinear(ParabolaBase):
     def magnifies(self) -> float:
         # By how much an error made now can count later. A light slider is thrown when the rod
         # passes across the parabola, one that comes from high up when it passes the vertex: an
-        # error of the time at which that happens counts then.
+        # error of the time at which that happens counts then. The height is that to which its
+        # present speed carries it, too.
         slope = 2.0 * math.fabs(self.a * self.q0)
+        speed = math.fabs(self.v0) * math.sqrt(1.0 + slope * slope)
+        pull = math.fabs(self.lift) + math.fabs(self.sway)
+        rise = 2.0 * math.fabs(self.a) * speed * speed
+        slope += math.sqrt(rise / max(pull, rise * LEAST_PULL)) if rise > 0.0 else 0.0
         return max(1.0, self.m2 / self.m1) * max(1.0, slope)
 
     def acceleration(
