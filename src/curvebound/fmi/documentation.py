@@ -21,7 +21,7 @@ pre { background: #f4f4f2; padding: .8rem; overflow-x: auto; }
 table { border-collapse: collapse; font-size: 14px; }
 th, td { text-align: left; padding: .15rem .8rem .15rem 0; border-bottom: 1px solid #ddd; }
 td.n { text-align: right; }
-svg { max-width: 100%; height: auto; }
+svg, img { max-width: 100%; height: auto; }
 @media (prefers-color-scheme: dark) {
   body { background: #161616; color: #e8e8e8; } pre { background: #242424; }
   th, td { border-color: #444; } svg text { fill: #e8e8e8; }
@@ -33,7 +33,8 @@ _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 
 
 def documentation_files(fmu: Fmu, folder: Path, stem: str) -> dict[str, bytes]:
-    """Path in the FMU -> content; `folder` holds the declaration and its icon STEM.png, if any."""
+    """Path in the FMU -> content; `folder` holds the declaration, its icon STEM.png, if any, and
+    pictures STEM_NAME.svg that its documentation shows as NAME.svg."""
     result = reference_result(fmu)
     files = {
         "documentation/index.html": _page(fmu, result).encode(),
@@ -45,6 +46,8 @@ def documentation_files(fmu: Fmu, folder: Path, stem: str) -> dict[str, bytes]:
     icon = folder / f"{stem}.png"
     if icon.is_file():
         files["model.png"] = icon.read_bytes()
+    for picture in sorted(folder.glob(f"{stem}_*.svg")):
+        files[f"documentation/{picture.name[len(stem) + 1 :]}"] = picture.read_bytes()
     return files
 
 

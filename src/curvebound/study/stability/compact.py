@@ -107,7 +107,7 @@ def _panel(request: Named, maps: Sequence[StabilityMap]) -> str:
     for one in shown:
         for what, style in (("stable", ' class="u"'), ("accurate", "")):
             points = " ".join(
-                f"{across(i):.0f},{up(_within(getattr(c, what), c.sizes)):.1f}"
+                f"{across(i):.0f},{up(_within(getattr(c, what), c.sizes)):.0f}"
                 for i, c in enumerate(one.columns)
             )
             parts.append(f'<polyline points="{points}" stroke="{COLOURS[one.method]}"{style}/>')
