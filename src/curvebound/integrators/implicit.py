@@ -18,14 +18,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..models.base import Jacobian, Model
+from ..models.base import Model
 from .base import DONE, NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, Method
+from .blocks import block, solved
 
 __all__ = ["Implicit"]
-
-#: a 2 x 2 matrix by rows
-Block = tuple[float, float, float, float]
-Pair = tuple[float, float]
 
 C1: Final = 0.2113248654051871
 C2: Final = 0.7886751345948129
@@ -47,8 +44,12 @@ NOISE: Final = 1e-7
 #: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
 LARGEST: Final = 1e300
 MOST_ITERATIONS: Final = 25
-#: a step is halved at most this often (to 1e-6 of itself) when the iteration fails
-DEEPEST: Final = 20
+#: magnification of errors from which on steps are held to the balance of energy, and how closely,
+#: relative to the energies at stake
+VIOLENT: Final = 10.0
+IMBALANCE: Final = 1e-9
+#: a step is halved at most this often (to 1e-12 of itself)
+DEEPEST: Final = 40
 
 
 class Implicit(Method):
@@ -99,9 +100,7 @@ class Implicit(Method):
         if self.tries > max_steps:
             self.reached = h
             return TOO_MANY_STEPS
-        if (self.last > 0.0 and self.attempt(model, t, h, True)) or self.attempt(
-            model, t, h, False
-        ):
+        if self.holds(model, t, h):
             if model.settles:
                 model.settle(h)
             self.steps += 1
@@ -117,6 +116,28 @@ class Implicit(Method):
         if outcome != DONE:
             return outcome
         return self.step(model, t + half, half, depth + 1, max_steps)
+
+    def holds(self, model: Model, t: float, h: float) -> bool:
+        """Take one step that converges and keeps the balance of energy; False: as before."""
+        if model.magnification <= VIOLENT:
+            return (self.last > 0.0 and self.attempt(model, t, h, True)) or self.attempt(
+                model, t, h, False
+            )
+        # Motion that can become violent at once: no fixed step is right for it. The equations of
+        # too large a step have other solutions too, far off, that the iteration finds.
+        q0, q1, v0, v1, work = model.q0, model.q1, model.v0, model.v1, model.work
+        k10, k11, k20, k21, last = self.k10, self.k11, self.k20, self.k21, self.last
+        before, size = model.balance(t)
+        for extrapolate in (True, False):
+            if extrapolate and last <= 0.0:
+                continue
+            if self.attempt(model, t, h, extrapolate):
+                after, other = model.balance(t + h)
+                if math.fabs(after - before) <= IMBALANCE * max(size, other):
+                    return True
+                model.q0, model.q1, model.v0, model.v1, model.work = q0, q1, v0, v1, work
+                self.k10, self.k11, self.k20, self.k21, self.last = k10, k11, k20, k21, last
+        return False
 
     def attempt(self, model: Model, t: float, h: float, extrapolate: bool) -> bool:
         """Solve and take one step; False, with the model unchanged, where that fails."""
@@ -222,55 +243,3 @@ class Implicit(Method):
         model.v1 = v1 + (0.5 * h) * (x11 + x21)
         self.k10, self.k11, self.k20, self.k21, self.last = x10, x11, x20, x21, h
         return True
-
-
-def block(unit: float, of_q: float, of_v: float, j: Jacobian) -> Block:
-    """A 2 x 2 block of the Newton matrix: unit I - of_q dK/dq - of_v dK/dv, by rows."""
-    return (
-        unit - of_q * j[0] - of_v * j[4],
-        -of_q * j[1] - of_v * j[5],
-        -of_q * j[2] - of_v * j[6],
-        unit - of_q * j[3] - of_v * j[7],
-    )
-
-
-def solved(p: Block, q: Block, r: Block, s: Block, f: Pair, g: Pair) -> Block:
-    """(x, y) with p x + q y = f and r x + s y = g, by elimination of x.
-
-    The block of larger determinant in the first column is the pivot, whatever the units of the
-    unknowns. Raises ZeroDivisionError where the matrix is singular.
-    """
-    det = p[0] * p[3] - p[1] * p[2]
-    other = r[0] * r[3] - r[1] * r[2]
-    if math.fabs(other) > math.fabs(det):
-        p, q, r, s, f, g = r, s, p, q, g, f
-        det = other
-    inverse = 1.0 / det
-    # w = r p^-1
-    w0 = (r[0] * p[3] - r[1] * p[2]) * inverse
-    w1 = (r[1] * p[0] - r[0] * p[1]) * inverse
-    w2 = (r[2] * p[3] - r[3] * p[2]) * inverse
-    w3 = (r[3] * p[0] - r[2] * p[1]) * inverse
-    y0, y1 = solved_block(
-        s[0] - (w0 * q[0] + w1 * q[2]),
-        s[1] - (w0 * q[1] + w1 * q[3]),
-        s[2] - (w2 * q[0] + w3 * q[2]),
-        s[3] - (w2 * q[1] + w3 * q[3]),
-        g[0] - (w0 * f[0] + w1 * f[1]),
-        g[1] - (w2 * f[0] + w3 * f[1]),
-    )
-    x0, x1 = solved_block(
-        p[0],
-        p[1],
-        p[2],
-        p[3],
-        f[0] - (q[0] * y0 + q[1] * y1),
-        f[1] - (q[2] * y0 + q[3] * y1),
-    )
-    return x0, x1, y0, y1
-
-
-def solved_block(a: float, b: float, c: float, d: float, f: float, g: float) -> Pair:
-    """(x, y) with a x + b y = f and c x + d y = g."""
-    inverse = 1.0 / (a * d - b * c)
-    return (d * f - b * g) * inverse, (a * g - c * f) * inverse

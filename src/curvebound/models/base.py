@@ -92,6 +92,13 @@ class Model:
         """Closed-form derivatives of acceleration(), in the order of `Jacobian`."""
         raise NotImplementedError
 
+    def balance(self, t: float) -> tuple[float, float]:
+        """Energy less `work` (J) t s after the communication point, and the size of its parts.
+
+        Constant for the exact motion; only where `magnification` is above 1.
+        """
+        return 0.0, 1.0
+
     def linear_system(self) -> list[list[float]]:
         """A, shape (5, 5), with z' = A z for z = (q0, q1, v0, v1, 1); only if is_linear.
 

@@ -263,6 +263,27 @@ class ParabolaNonlinear(ParabolaBase):
         potential = -self.mass * (self.gx * (self.x + u) + self.gy * (self.y + au * u))
         return kinetic, potential - self.m2 * self.r * (self.gx * s - self.gy * c)
 
+    def balance(self, t: float) -> tuple[float, float]:
+        u = self.q0
+        s = math.sin(self.q1)
+        c = math.cos(self.q1)
+        rate = self.a_rate + t * self.a_acceleration
+        au = (self.a + 0.5 * t * (self.a_rate + rate)) * u
+        vx = self.vx + t * self.ax + self.v0
+        vy = self.vy + t * self.ay + (2.0 * au * self.v0 + rate * u * u)
+        x = self.x + t * (self.vx + 0.5 * t * self.ax) + u
+        y = self.y + t * (self.vy + 0.5 * t * self.ay) + au * u
+        speed = self.r * self.v1
+        bx = vx + speed * c
+        by = vy + speed * s
+        kinetic = 0.5 * (self.m1 * (vx * vx + vy * vy) + self.m2 * (bx * bx + by * by))
+        hang = self.m2 * self.r
+        potential = -self.mass * (self.gx * x + self.gy * y)
+        potential -= hang * (self.gx * s - self.gy * c)
+        size = self.mass * (math.fabs(self.gx * x) + math.fabs(self.gy * y))
+        size += hang * (math.fabs(self.gx) + math.fabs(self.gy))
+        return kinetic + potential - self.work, kinetic + size
+
     def reactions(self) -> tuple[float, float, float, float]:
         rx, ry, tension = self.push_and_pull(0.0, self.q0, self.q1, self.v0, self.v1)
         # friction is along the parabola: what is across is the normal force

@@ -1,0 +1,77 @@
+"""Ten seconds of violent motion from the default start: a light slider, a needle of a parabola."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from curvebound.cosim.prepared import Prepared
+from curvebound.cosim.scene import Scene
+
+CASES = {
+    "heavy bob": {"pendulum.mass": 1e6},
+    "light slider": {"slider.mass": 1e-6},
+    "needle": {"parabola.coefficient_start": 500.0},
+    "spike, bob above": {"parabola.coefficient_start": -500.0, "slider.u_start": 1e-3},
+    "light slider on a needle": {"slider.mass": 1e-6, "parabola.coefficient_start": 500.0},
+}
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> Prepared:
+    scene = Scene("violent", stop_time=10.0, step=0.1)
+    scene.add("plant", "ParabolaPendulum", {})
+    scene.record(
+        *(
+            f"plant.{name}"
+            for name in (
+                "energy.kinetic",
+                "energy.potential",
+                "energy.residual",
+                "slider.u",
+                "pendulum.angle",
+                "solver.steps",
+                "solver.evaluations",
+            )
+        )
+    )
+    return scene.prepare()
+
+
+def run(prepared: Prepared, **values: object) -> np.ndarray:
+    return prepared.run({f"plant.{name}": value for name, value in values.items()})
+
+
+def imbalance(result: np.ndarray) -> float:
+    """The largest residual over the largest kinetic energy."""
+    residual = np.abs(result["plant.energy.residual"]).max()
+    return float(residual / np.abs(result["plant.energy.kinetic"]).max())
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_adaptive_holds(pendulum: Prepared, case: str) -> None:
+    """At the default tolerance; a hundred times finer ones agree with each other."""
+    found = {}
+    for tolerance in (1e-6, 1e-8, 1e-10):
+        values = {**CASES[case], "solver.method": "adaptive", "solver.tolerance": tolerance}
+        result = run(pendulum, **values)
+        assert imbalance(result) < 1e-6
+        assert result["plant.solver.evaluations"][-1] < 4e6
+        found[tolerance] = result["plant.slider.u"][:30]
+    assert np.abs(found[1e-8] - found[1e-10]).max() < 1e-6
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("step", [1e-3, 1e-2])
+def test_implicit_holds(pendulum: Prepared, case: str, step: float) -> None:
+    """At the default step, and at ten times as much: halved where the balance asks for it."""
+    result = run(pendulum, **CASES[case], **{"solver.method": "implicit", "solver.step": step})
+    assert imbalance(result) < 1e-6
+    assert result["plant.solver.evaluations"][-1] < 2e6
+
+
+def test_tame_motion_keeps_the_step_that_was_chosen(pendulum: Prepared) -> None:
+    """Though its error of energy is far above what violent motion is held to."""
+    result = run(pendulum, **{"solver.method": "implicit", "solver.step": 0.05})
+    assert result["plant.solver.steps"][-1] == 200
+    assert 1e-8 < imbalance(result) < 1e-2
