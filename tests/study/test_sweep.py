@@ -139,6 +139,69 @@ def test_a_killed_worker_loses_no_point() -> None:
     assert sorted(found) == list(range(40))
 
 
+def test_parquet_holds_the_same_and_is_not_overwritten(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    vary = "bead.wire.radius=-1:1:{}"
+    table = parquet.read_table(sweep(3, vary).run(tmp_path / "a.parquet", workers=1).path)
+    rows = rows_of(sweep(3, vary).run(tmp_path / "a.csv", workers=1).path)
+    assert table.column_names == rows[0]
+    assert table.column("point").to_pylist() == [0, 1, 2]
+    for i, name in enumerate(rows[0][1:-1], 1):
+        assert table.column(name).to_pylist() == [
+            float(row[i]) if row[i] else None for row in rows[1:]
+        ]
+    assert [bool(text) for text in table.column("message").to_pylist()] == [True, True, False]
+    assert not list(tmp_path.glob("*.part"))
+    with pytest.raises(CurveboundError, match="--restart"):
+        sweep(3, vary).run(tmp_path / "a.parquet", workers=1)
+
+
+def test_an_interrupted_parquet_goes_on(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    out = tmp_path / "a.parquet"
+
+    def stop(done: int, count: int, failed: int) -> None:
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep().run(out, workers=1, progress=stop)
+    assert not out.exists()
+    kept = len(rows_of(tmp_path / "a.csv.part")) - 1
+    result = sweep().run(out, workers=1)
+    assert result.run == 6 - kept < 6
+    assert parquet.read_table(out).column("point").to_pylist() == list(range(6))
+
+
+def test_a_sweep_on_a_cluster_from_the_command_line(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    from curvebound.cli import main
+
+    out = tmp_path / "cluster.csv"
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None
+    ) as cluster:
+        words = ["sweep", "bead_on_wire", "--vary", DAMPING.format(6), "--set", "stop_time=1"]
+        for metric in METRICS:
+            words += ["--metric", metric]
+        words += ["--scheduler", cluster.scheduler_address, "--out", str(out)]
+        assert main(words) == 0
+    alone = sweep().run(tmp_path / "alone.csv", workers=1)
+    assert out.read_bytes() == alone.path.read_bytes()
+
+
+def test_a_scheduler_that_is_not_there_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    distributed = pytest.importorskip("distributed")
+    client = distributed.Client
+    monkeypatch.setattr(
+        distributed, "Client", lambda address, timeout: client(address, timeout="1s")
+    )
+    with pytest.raises(CurveboundError, match=r"tcp://127\.0\.0\.1:9"):
+        sweep().run(tmp_path / "a.csv", scheduler="tcp://127.0.0.1:9")
+
+
 @pytest.mark.slow
 def test_a_killed_worker_of_a_cluster_loses_no_point(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")

@@ -20,7 +20,7 @@ def require(extra: str) -> None:
     """Raise CurveboundError, which says what to install, unless an extra's packages are there."""
     missing = [name for name in _NEEDED[extra] if importlib.util.find_spec(name) is None]
     if missing:
-        remedy = "pyarrow" if extra == "parquet" else f"'curvebound[{extra}]'"
+        remedy = f"'curvebound[{'sweep' if extra == 'parquet' else extra}]'"
         raise CurveboundError(
             f"This needs {' and '.join(missing)}, not installed here. "
             f"Install it with `pip install {remedy}`."
