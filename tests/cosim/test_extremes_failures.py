@@ -9,7 +9,7 @@ import pytest
 
 from curvebound.cosim import Adaptive, RunFailed, Scene, read_csv
 from curvebound.cosim.command import main
-from curvebound.cosim.instance import Instance
+from curvebound.cosim.instance import Instance, Library
 from curvebound.cosim.scene import ALGORITHMS
 
 #: explicit Euler at a hundred times its stable step, so that the state leaves the finite numbers
@@ -60,6 +60,14 @@ def test_the_others_end_well_and_what_was_recorded_is_kept(
             ended.append((what, self.name, self.failed))
 
         monkeypatch.setattr(Instance, what, seen)
+    called: list[str] = []
+    function = Library.function
+
+    def noted(self, name):
+        called.append(name)
+        return function(self, name)
+
+    monkeypatch.setattr(Library, "function", noted)
     control = Adaptive(tolerance=1.0, smallest=0.02) if adaptive else None
     groups = (["drive"], ["sound", "broken"]) if algorithm == "strang" else None
     scene = trio(order, algorithm=algorithm, adaptive=control, groups=groups)
@@ -67,7 +75,9 @@ def test_the_others_end_well_and_what_was_recorded_is_kept(
         with pytest.raises(RunFailed) as caught:
             prepared.run()
         assert not prepared._instances
-        # each freed once, none asked to terminate after its failure
+        assert called.count("fmi2Terminate") == 2
+        assert called.count("fmi2FreeInstance") == 3
+        # each freed once, the failed one not asked to terminate before
         freed = sorted(name for what, name, _ in ended if what == "free")
         assert freed == ["broken", "drive", "sound"]
         assert {name for what, name, failed in ended if what == "terminate" and not failed} == {

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...cosim.files import write_whole
+from ...files import write_whole
 from ..plots import COLOURS
 from .catalogue import Named
 from .maps import Request

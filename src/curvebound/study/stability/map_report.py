@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...cosim.files import write_whole
+from ...files import write_whole
 from ..files import write_rows
 from ..page import _document
 from .maps import Request
