@@ -89,6 +89,41 @@ def test_a_budget_that_cannot_be_kept_is_said(short: Tuner) -> None:
     assert not choice.within_budget
 
 
+def test_continuous_control_asks_for_a_shorter_macro_step() -> None:
+    """Held over 10 ms, the law is off by 4e-3 of what it would do all the time."""
+    scene = load_scene("active_damping")
+    scene.stop_time = 1.0
+    tuner = Tuner(scene, list(scene.needs.errors), continuous=True, starts=4)
+    try:
+        loose, tight = (tuner.tune(dict.fromkeys(tuner.paths, bound)) for bound in (1e-2, 1e-3))
+    finally:
+        tuner.close()
+    assert loose.chosen is not None
+    assert loose.chosen.setting.step == scene.step
+    assert tight.chosen is not None
+    assert tight.chosen.setting.step < 0.3 * scene.step
+    assert max(v.worst for v in tight.chosen.verdicts.values()) <= 1e-3
+
+
+def test_tuning_keeps_its_promises_on_a_short_scene(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The check itself: fresh starts, and the cost against the grid's best."""
+    from curvebound.study import verify
+
+    scene = load_scene("bead_on_wire")
+    scene.stop_time = 1.0
+    monkeypatch.setattr(verify, "load_scene", lambda name: scene)
+    cases = verify.verify_scene("bead_on_wire", [1e-2, 1e-7], fresh=6, quick=True, limit=0.2)
+    assert [case.bound for case in cases] == [1e-2, 1e-7]
+    for case in cases:
+        assert case.met == case.judged == case.fresh == 6
+        assert case.worst <= 1.0
+        assert case.ratio is not None
+        assert case.remark == ""
+        assert case.until == 1.0
+
+
 def test_a_choice_is_written_once_and_replaced(short: Tuner, tmp_path: Path) -> None:
     from curvebound.places import scenarios_directory
 
