@@ -84,7 +84,11 @@ def run(options: argparse.Namespace) -> int:
         _print(console, study, page)
     overview = write_overview(options.out, plots=not options.no_plots)
     if overview is not None:
-        console.print(f"all studies: {overview}")
+        page, sentences = overview
+        console.print("\nOver all studies so far:")
+        for text in sentences:
+            console.print(f"- {text}", soft_wrap=not console.is_terminal)
+        console.print(str(page), soft_wrap=True)
     return 0
 
 

@@ -261,8 +261,10 @@ def overview_page(
             words=(0, 2),
         )
     )  # fmt: skip
-    parts.append("<h2>Live measures against the truth, all scenes</h2>")
+    parts.append("<h2>Predicted against real: the live measures, over all scenes</h2>")
     parts.append(_TRUST_WORDS)
+    said = "".join(f"<li>{html.escape(t.sentence)}</li>" for t in statements if t.group == "all")
+    parts.append(f"<ul>{said}</ul>")
     parts.append(_trust_table(statements))
     parts.append(_figure(out.parent / "trust.svg", "true error over live measures, all scenes"))
     parts.append("</main>")

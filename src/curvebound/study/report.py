@@ -79,8 +79,11 @@ def write_study(study: Study, folder: Path, *, plots: bool = True) -> Path:
     )
 
 
-def write_overview(folder: Path, *, plots: bool = True) -> Path | None:
-    """Write the page of all studies in the subfolders; None where there is none."""
+def write_overview(folder: Path, *, plots: bool = True) -> tuple[Path, list[str]] | None:
+    """Write the page of all studies in the subfolders; None where there is none.
+
+    Returns the page and a sentence on each live measure: how far it can be trusted.
+    """
     studies: dict[str, Row] = {}
     for file in sorted(folder.glob("*/study.json")):
         with suppress(OSError, ValueError, KeyError):
@@ -97,4 +100,5 @@ def write_overview(folder: Path, *, plots: bool = True) -> Path | None:
             draw_trust(
                 list(zip(MEASURES.values(), found, strict=True)), folder / "trust", "all scenes"
             )
-    return overview_page(folder / "index.html", studies, statements, _footer())
+    page = overview_page(folder / "index.html", studies, statements, _footer())
+    return page, [one.sentence for one in statements if one.group == "all"]

@@ -68,6 +68,16 @@ class Trust:
             return "tells large errors from small ones, not their size"
         return "a warning only: it can be small while the error is large"
 
+    @property
+    def sentence(self) -> str:
+        """How far the measure can be trusted, with the numbers that say so."""
+        order = "" if math.isnan(self.correlation) else f", rank correlation {self.correlation:.2f}"
+        return (
+            f"{self.measure}: {self.verdict}. In nine of ten runs the true error is {self.low:.1e} "
+            f"to {self.high:.1e} times what it says, in {self.under:.0%} more than ten times "
+            f"({self.count} runs{order})."
+        )
+
 
 def points(measure: str, studies: Mapping[str, Sequence[Row]]) -> list[Point]:
     """All runs that the measure applies to; studies: rows by scene."""

@@ -1,0 +1,82 @@
+"""What is stated of the live measures, from rows whose errors are known by construction."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from curvebound.study.files import write_json
+from curvebound.study.report import write_overview
+from curvebound.study.teach import crossings, lessons, order_of
+from curvebound.study.trust import points, trust
+
+
+def row(size: float, error: float, **changes: Any) -> dict[str, Any]:
+    """A row of adaptive at tolerance `size` with an output that ranges over 2."""
+    return {
+        "purpose": "micro", "form": "angle", "method": "adaptive", "size_is": "tolerance",
+        "size": size, "macro_step": 0.01, "algorithm": "gauss_seidel", "cpu": 1e-4 / size**0.1,
+        "evaluations": 10, "steps": 1, "energy_residual": 3.0 * size, "kinetic": 3.0,
+        "drift": None, "acceleration_error": None, "amplitude": 2.0, "failure": "",
+        "error": error, "numerical": error, "modelling": 0.0, "judged": True, "judged_until": 10.0,
+        **changes,
+    }  # fmt: skip
+
+
+SIZES = [10.0**-n for n in range(2, 12)]
+
+
+def stated(measure: str, rows: list[dict[str, Any]]) -> Any:
+    return trust(measure, points(measure, {"scene": rows}))
+
+
+def test_a_measure_that_follows_the_error_is_called_one() -> None:
+    said = stated("solver.tolerance", [row(size, 2.0 * 0.5 * size) for size in SIZES])
+    assert (said.count, said.median) == (10, pytest.approx(0.5))
+    assert said.correlation == pytest.approx(1.0)
+    assert said.verdict == "a measure of the error"
+    assert "10 runs" in said.sentence
+
+
+def test_a_measure_that_overstates_by_more_and_more_is_an_upper_bound() -> None:
+    said = stated("solver.tolerance", [row(size, 2.0 * size**1.4) for size in SIZES[:8]])
+    assert said.under == 0.0
+    assert said.verdict.startswith("an upper bound")
+
+
+def test_a_measure_that_misses_large_errors_is_a_warning_only() -> None:
+    errors = np.random.default_rng(1).permutation([10.0**-n for n in range(1, 11)])
+    rows = [row(size, float(e)) for size, e in zip(SIZES, errors, strict=True)]
+    assert stated("energy.residual", rows).verdict.startswith("a warning only")
+
+
+def test_what_was_not_judged_failed_or_is_rounding_says_nothing() -> None:
+    rows = [
+        row(1e-3, 1e-3, judged=False), row(1e-3, 1e-3, failure="no"), row(1e-3, 1e-14),
+        row(1e-3, math.inf), row(1e-3, 1e-3, purpose="macro"),
+    ]  # fmt: skip
+    assert stated("solver.tolerance", rows) is None
+
+
+def test_the_overview_states_each_measure_and_names_the_cheapest(tmp_path: Path) -> None:
+    rows = [row(size, size) for size in SIZES]
+    for name in ("one", "two"):
+        data = {"scene": name, "description": "<b>", "rows": [*rows, row(1e-3, math.inf)]}
+        write_json(data, tmp_path / name / "study.json")
+    page, sentences = write_overview(tmp_path, plots=False)
+    text = page.read_text()
+    assert [s.partition(":")[0] for s in sentences] == ["solver.tolerance", "energy.residual"]
+    assert all(sentence.split(".")[0] in text for sentence in sentences)
+    assert "<b>" not in text.replace("<b>Unfinished", "")
+    assert write_overview(tmp_path / "empty", plots=False) is None
+
+
+def test_lessons_name_order_and_cheapest() -> None:
+    rows = [row(size, size**1.2) for size in SIZES]
+    assert order_of(rows, "angle", "adaptive") == pytest.approx(1.2)
+    assert dict(crossings(rows))[1e-4]["size"] == pytest.approx(1e-4)
+    assert any("angle adaptive from" in text for text in lessons(rows))
