@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 import re
+import sys
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -216,3 +219,29 @@ def test_the_documented_picture_is_small_and_whole(tmp_path) -> None:
     assert path.stat().st_size < 4000
     assert "NaN" not in path.read_text()
     assert "inf" not in path.read_text()
+
+
+class Deadly(Request):
+    """A request whose map ends every process but this one."""
+
+    def probe(self) -> Probe:
+        if os.getpid() != int(os.environ["CURVEBOUND_TEST_MAIN"]):
+            os._exit(3)
+        return super().probe()
+
+
+@pytest.mark.slow
+def test_processes_give_the_same_maps_and_their_end_is_told(tmp_path, monkeypatch) -> None:
+    vary = ["--vary", "bead.wire.radius=0.5:2:3", "--method", "rk4", "--no-plots"]
+    for jobs in ("1", "2"):
+        out = ["--jobs", jobs, "--out", str(tmp_path / jobs)]
+        assert main(["stability", "bead_on_wire", *vary, *out]) == 0
+    for path in (tmp_path / "1" / "bead_on_wire").iterdir():
+        assert path.read_bytes() == (tmp_path / "2" / "bead_on_wire" / path.name).read_bytes()
+    monkeypatch.setenv("CURVEBOUND_TEST_MAIN", str(os.getpid()))
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
+    monkeypatch.setattr(Deadly, "__module__", Path(__file__).stem)
+    monkeypatch.setitem(sys.modules, Path(__file__).stem, sys.modules[__name__])
+    request = Deadly("bead_on_wire", "bead.wire.radius=1:2:2")
+    with pytest.raises(CurveboundError, match=r"made the map of bead\.wire\.radius ended"):
+        list(make_maps([request], jobs=2))

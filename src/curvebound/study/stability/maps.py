@@ -6,6 +6,7 @@ import math
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from dataclasses import dataclass
 
@@ -158,7 +159,14 @@ def make_maps(
         for request in requests:
             columns = []
             for _ in values_of(request):
-                columns.append(next(results))
+                try:
+                    columns.append(next(results))
+                except BrokenProcessPool as error:
+                    raise CurveboundError(
+                        f"A process that made the map of {request.axis.path} ended: the system ran "
+                        "out of memory, or an FMU crashed. Maps finished before are kept; make "
+                        "this one with --jobs 1 to see where."
+                    ) from error
                 done += 1
                 if progress is not None:
                     progress(done, len(tasks), request.axis.path)
