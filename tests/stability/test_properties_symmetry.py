@@ -127,8 +127,8 @@ STATES = {
 def test_time_reversal(system: str, method: str, count: int) -> None:
     """Undamped, with reversed rates, the motion returns to where it started.
 
-    `implicit` is symmetric: it does so to rounding, however large its error; `adaptive` to its
-    tolerance.
+    `implicit` is symmetric: it does so to rounding, however large its error, if no step is
+    halved; `adaptive` to its tolerance.
     """
 
     def check(values: Any) -> None:
@@ -147,6 +147,8 @@ def test_time_reversal(system: str, method: str, count: int) -> None:
             back[start] = sign * float(there[output][-1])
         home = run_or_none(system, back, step, 5)
         assert home is not None
+        even = [run_["solver.steps"][-1] == 25 for run_ in (there, home)]
+        allowed = 1e-7 if method == "adaptive" or all(even) else 1e-4
         for output, start in STATES[system].items():
             sign = -1.0 if start.endswith(("velocity_start", "rate_start")) else 1.0
             size = np.abs(there[output]).max() + np.abs(home[output]).max()
@@ -156,6 +158,6 @@ def test_time_reversal(system: str, method: str, count: int) -> None:
                 size = max(size, values["pendulum.length"])
             else:
                 size += 1e-3 * rate(system, values) * values.get("pendulum.length", 1.0)
-            assert abs(sign * home[output][-1] - values[start]) <= 1e-7 * size, output
+            assert abs(sign * home[output][-1] - values[start]) <= allowed * size, output
 
     holds(count, check, sampled[system])

@@ -44,6 +44,8 @@ NOISE: Final = 1e-7
 #: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
 LARGEST: Final = 1e300
 MOST_ITERATIONS: Final = 25
+#: damping rate in units of 1/h from which on a step begins with accelerations of zero
+STIFF: Final = 1.0
 #: magnification of errors from which on steps are held to the balance of energy, and how closely,
 #: relative to the energies at stake
 VIOLENT: Final = 10.0
@@ -164,8 +166,12 @@ class Implicit(Method):
             x20 = self.k10 + ahead2 * slope0
             x21 = self.k11 + ahead2 * slope1
         else:
-            x10, x11 = model.acceleration(t, q0, q1, v0, v1)
-            self.evaluations += 1
+            ja = model.jacobian(t, q0, q1, v0, v1)
+            if h * (math.fabs(ja[4]) + math.fabs(ja[7])) > STIFF:
+                x10 = x11 = 0.0
+            else:
+                x10, x11 = model.acceleration(t, q0, q1, v0, v1)
+                self.evaluations += 1
             x20 = x10
             x21 = x11
         floor0 = math.fabs(v0) / h
@@ -241,5 +247,9 @@ class Implicit(Method):
         model.q1 = q1 + (h * v1 + hh * (W1 * x11 + W2 * x21))
         model.v0 = v0 + (0.5 * h) * (x10 + x20)
         model.v1 = v1 + (0.5 * h) * (x11 + x21)
+        if h * (math.fabs(ja[4]) + math.fabs(ja[7])) > STIFF:
+            # of what damping does at once there is nothing to extrapolate, and the speeds that
+            # follow from it lead the next iteration to solutions far off
+            x10 = x11 = x20 = x21 = 0.0
         self.k10, self.k11, self.k20, self.k21, self.last = x10, x11, x20, x21, h
         return True
