@@ -6,6 +6,7 @@ error above what is allowed, and no word about it.
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
@@ -159,7 +160,9 @@ def judge(
         else:
             scale = max(float(np.abs(values).max()), REST * length)
         error = float(np.abs(columns[name] - values).max()) / scale
-        if not error <= worst:
+        if math.isnan(error):
+            error = math.inf
+        if error > worst:
             worst, name_of_worst = error, name
     return worst, name_of_worst
 

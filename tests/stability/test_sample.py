@@ -1,0 +1,224 @@
+"""The random sample: its points, its references, its judgement and its report."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from curvebound.bench.references import REFERENCES
+from curvebound.fmi.build import load_declaration
+from curvebound.fmi.declaration import INPUT, PARAMETER
+from curvebound.study.stability import motion, sample
+from curvebound.study.stability.characteristic import LONGEST, exact
+from curvebound.study.stability.precise import solve
+from curvebound.study.stability.ranges import SYSTEMS, Point, draw
+from curvebound.study.stability.sample import OUTPUTS, Outcome, Settings, judge, run_sample
+from curvebound.study.stability.sample_report import passes, print_sample, write_sample
+
+OFF = {
+    "bead": {
+        "gravity.x": 0.0,
+        "gravity.y": -9.81,
+        "wire.radius": 1.0,
+        "bead.mass": 1.0,
+        "bead.damping": 0.0,
+        "bead.angle_start": math.pi / 2,
+        "bead.angular_velocity_start": 0.0,
+        "model.formulation": "angle",
+        "wire.ax": 0.0,
+        "wire.ay": 0.0,
+        "bead.fx": 0.0,
+        "bead.fy": 0.0,
+    },
+    "pendulum": {
+        "gravity.x": 0.0,
+        "gravity.y": -9.81,
+        "parabola.coefficient_start": 0.5,
+        "parabola.coefficient_rate_start": 0.0,
+        "slider.mass": 1.0,
+        "pendulum.mass": 1.0,
+        "pendulum.length": 1.0,
+        "slider.damping": 0.0,
+        "pendulum.damping": 0.0,
+        "slider.u_start": 0.5,
+        "slider.u_rate_start": 0.0,
+        "pendulum.angle_start": 0.5,
+        "pendulum.angular_velocity_start": 0.0,
+        "model.fidelity": "nonlinear",
+        "parabola.ax": 0.0,
+        "parabola.ay": 0.0,
+        "parabola.coefficient_acceleration": 0.0,
+        "slider.fx": 0.0,
+        "slider.fy": 0.0,
+        "pendulum.fx": 0.0,
+        "pendulum.fy": 0.0,
+    },
+}
+
+
+def test_points_do_not_depend_on_their_number() -> None:
+    for system in SYSTEMS:
+        few, many = draw(system, 5, 7), draw(system, 50, 7)
+        assert many[:5] == few
+        assert draw(system, 5, 8) != few
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_points_set_everything_within_its_domain(system: str) -> None:
+    declared = {v.name: v for v in load_declaration(SYSTEMS[system][0]).variables}
+    physical = {
+        name
+        for name, v in declared.items()
+        if v.kind in (PARAMETER, INPUT) and not name.startswith(("solver.", "constraint."))
+    }
+    for point in draw(system, 200, 3):
+        assert physical <= set(point.values)
+        for name, value in point.values.items():
+            variable = declared[name]
+            if isinstance(value, str):
+                assert variable.type is not None
+                assert value in [item for item, _ in variable.type.items]
+            else:
+                assert math.isfinite(value)
+                assert variable.minimum is None or value >= variable.minimum
+
+
+def at_ten_seconds(system: str, **changes: float | str) -> np.ndarray:
+    """q0, q1, v0, v1 of the reference at 10 s."""
+    values = {**OFF[system], **changes}
+    names = OUTPUTS[system]
+    start = [values[f"{name}_start"] for name in names]
+    if system == "bead":
+        start = [start[0], 0.0, start[1], 0.0]
+    law = motion.bead(values) if system == "bead" else motion.pendulum(values)
+    found = solve(
+        law,
+        motion.kernel_of(system, values),
+        tuple(float(x) for x in start),
+        until=lambda motion: 10.0 if motion.end >= 10.0 else math.inf,
+        longest=LONGEST,
+        length=1.0,
+    )
+    return found.trajectory.states([10.0])[:, 0, 0]
+
+
+def test_references_have_the_known_digits() -> None:
+    """45-digit Taylor series and closed forms, 15 digits kept."""
+    angle, _, rate, _ = at_ten_seconds("bead").astype(float)
+    found = math.sin(angle), -math.cos(angle), rate * math.cos(angle), rate * math.sin(angle)
+    assert found == pytest.approx(REFERENCES["bead"], abs=1e-13)
+    for fidelity, name in (("nonlinear", "pendulum"), ("linear", "linear")):
+        found = at_ten_seconds("pendulum", **{"model.fidelity": fidelity}).astype(float)
+        assert found == pytest.approx(REFERENCES[name], abs=3e-14)
+
+
+@pytest.mark.parametrize("k", [1e2, 1e6, 1e12])
+def test_reference_of_damped_coasting(k: float) -> None:
+    """Without gravity the rate decays as exp(-k t), and the angle by rate / k."""
+    found = at_ten_seconds(
+        "bead",
+        **{"gravity.y": 0.0, "bead.damping": k, "bead.angular_velocity_start": 2.0},
+    )
+    assert float(found[0] - np.longdouble(math.pi / 2)) == pytest.approx(2.0 / k, rel=1e-7)
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_the_references_equations_are_the_kernels(system: str) -> None:
+    """Written from Newton's law in another way; they agree at random points to rounding."""
+    for point in draw(system, 300, 5):
+        law = (motion.bead if system == "bead" else motion.pendulum)(point.values)
+        model = motion.kernel_of(system, point.values)
+        state = np.array([model.q0, model.q1, model.v0, model.v1])
+        found = law(np.zeros(1), state[:2, None].astype(np.longdouble), state[2:, None])[:, 0]
+        kernel = model.acceleration(0.0, *state.tolist())
+        j = [abs(x) for x in model.jacobian(0.0, *state.tolist())]
+        for i, (mine, other) in enumerate(zip(kernel, found, strict=True)):
+            # what the rounding of the state makes of it
+            noise = j[2 * i] * abs(state[0]) + j[2 * i + 1] * abs(state[1])
+            noise += j[4 + 2 * i] * abs(state[2]) + j[5 + 2 * i] * abs(state[3])
+            assert mine == pytest.approx(float(other), rel=1e-10, abs=1e-13 * noise + 1e-300)
+
+
+def test_characteristic_times_count_what_is_fast() -> None:
+    """A bead in the field of gravity counts with sqrt(g/r), a fast one with its rate."""
+    assert exact("bead", OFF["bead"], count=10.0).end == pytest.approx(
+        10 / math.sqrt(9.81), rel=0.3
+    )
+    fast = {**OFF["bead"], "gravity.y": 0.0, "bead.angular_velocity_start": 50.0}
+    assert exact("bead", fast, count=10.0).end == pytest.approx(0.2, rel=1e-6)
+    still = {**fast, "bead.angular_velocity_start": 0.0}
+    assert exact("bead", still, count=10.0).end == LONGEST
+
+
+def columns_of(system: str, reference: object) -> dict[str, np.ndarray]:
+    rows = (0, 2) if system == "bead" else (0, 1, 2, 3)
+    states = reference.states[list(rows)].astype(float)  # type: ignore[attr-defined]
+    return dict(zip(OUTPUTS[system], states, strict=True))
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_judgement_sees_every_output(system: str) -> None:
+    point = Point(0, dict(OFF[system]))
+    reference = exact(system, point.values)
+    good = columns_of(system, reference)
+    assert judge(system, point, reference, good)[0] < 1e-15
+    for name in OUTPUTS[system]:
+        bad = {k: v.copy() for k, v in good.items()}
+        bad[name][7] += 1e-5
+        error, output = judge(system, point, reference, bad)
+        assert output == name
+        assert 1e-7 < error < 1e-4
+        bad[name][7] = math.nan
+        assert judge(system, point, reference, bad) == (math.inf, name)
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_a_few_points_are_accurate(system: str, tmp_path: Path, capsys: object) -> None:
+    settings = Settings(system)
+    outcomes = run_sample(settings, 25, 11)
+    assert [one.point.number for one in outcomes] == list(range(25))
+    assert {one.verdict for one in outcomes} == {"accurate"}
+    assert max(one.error for one in outcomes) < sample.ALLOWED
+    assert max(one.evaluations for one in outcomes) < 100_000
+    assert passes(outcomes)
+    with write_sample(outcomes, tmp_path / "sample.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 25
+    assert float(rows[3]["error"]) == outcomes[3].error
+    print_sample(outcomes, settings, 11)
+
+
+def test_a_loose_tolerance_is_called_wrong_and_a_short_limit_a_failure() -> None:
+    wrong = run_sample(Settings("pendulum", tolerance=1e-2), 12, 11)
+    assert "wrong" in {one.verdict for one in wrong}
+    assert not passes(wrong)
+    failed = run_sample(Settings("pendulum", max_steps=3), 10, 11)
+    refused = [one for one in failed if one.verdict == "failed"]
+    assert len(refused) > 6
+    assert all("solver.max_steps = 3" in one.message for one in refused)
+    assert not passes(failed)
+
+
+def test_what_passes() -> None:
+    def outcomes(**count: int) -> list[Outcome]:
+        return [Outcome(Point(0, {}), name) for name, n in count.items() for _ in range(n)]
+
+    assert passes(outcomes(accurate=991, failed=9))
+    assert not passes(outcomes(accurate=990, failed=6, unknown=4))
+    assert not passes(outcomes(accurate=999, wrong=1))
+    assert not passes(outcomes(accurate=999, crashed=1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_a_sample_of_another_seed(system: str) -> None:
+    """README's command shows 2000 points of seed 1; these are others."""
+    outcomes = run_sample(Settings(system), 150, 101, jobs=2)
+    bad = [(one.point.number, one.verdict, one.error, one.message) for one in outcomes
+           if one.verdict != "accurate"]  # fmt: skip
+    assert not [one for one in bad if one[1] != "failed"], bad
+    assert len(bad) <= 2, bad
