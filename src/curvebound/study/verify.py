@@ -144,7 +144,7 @@ class _Grid:
                 verdicts = tuner.truths.errors(outcome.times, outcome.outputs, member=0)
                 errors = {path: v.worst for path, v in verdicts.items()}
                 self.known.append((setting, errors, outcome.cpu))
-        self._misses: dict[tuple[str, float], list[_Miss]] = {}
+        self._tried: dict[tuple[str, float, int], _Miss] = {}
 
     def _families(self, quick: bool) -> list[Family]:
         step, algorithm = self.tuner.step, self.tuner.scene.algorithm
@@ -167,12 +167,15 @@ class _Grid:
 
     def misses(self, setting: Setting, limits: dict[str, float]) -> list[_Miss]:
         """What a setting comes to at each fresh start."""
-        key = (setting.key, next(iter(limits.values())))
-        if key not in self._misses:
-            self._misses[key] = [self._miss(setting, limits, i) for i in range(self.fresh)]
-        return self._misses[key]
+        return [self._miss(setting, limits, member) for member in range(self.fresh)]
 
     def _miss(self, setting: Setting, limits: dict[str, float], member: int) -> _Miss:
+        key = (setting.key, next(iter(limits.values())), member)
+        if key not in self._tried:
+            self._tried[key] = self._run(setting, limits, member)
+        return self._tried[key]
+
+    def _run(self, setting: Setting, limits: dict[str, float], member: int) -> _Miss:
         start = {path: float(values[member]) for path, values in self.starts.items()}
         outcome = self.tuner.runner.glance(setting, start)
         if outcome.failure or len(outcome.times) < 2:
@@ -193,12 +196,21 @@ class _Grid:
         ]
         found: list[Setting] = []
         for spent, setting in sorted(good, key=lambda pair: pair[0]):
-            if len(found) >= _TIMED or (found and spent > 2.0 * cpu):
-                break
-            misses = [m for m in self.misses(setting, limits) if m.judged]
-            if sum(m.size <= 1.0 for m in misses) >= SHARE * len(misses):
+            if len(found) >= _TIMED or spent > (2.0 if found else 4.0) * cpu:
+                break  # nothing that follows is cheaper than the choice
+            if self._holds(setting, limits):
                 found.append(setting)
         return found
+
+    def _holds(self, setting: Setting, limits: dict[str, float]) -> bool:
+        """Whether a setting meets the bounds at enough fresh starts; tries no more than it must."""
+        failed = 0
+        for member in range(self.fresh):
+            miss = self._miss(setting, limits, member)
+            failed += miss.judged and miss.size > 1.0
+            if failed > (1.0 - SHARE) * self.fresh + 1e-9:
+                return False
+        return True
 
     def case(self, name: str, bound: float, limits: dict[str, float], choice: Choice) -> Case:
         """Judge one choice."""
