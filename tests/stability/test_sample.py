@@ -176,7 +176,7 @@ def test_judgement_sees_every_output(system: str) -> None:
         assert judge(system, point, reference, bad) == (math.inf, name)
 
 
-@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("system", [pytest.param("bead", marks=pytest.mark.slow), "pendulum"])
 def test_a_few_points_are_accurate(system: str, tmp_path: Path, capsys: object) -> None:
     settings = Settings(system)
     outcomes = run_sample(settings, 25, 11)
@@ -193,14 +193,13 @@ def test_a_few_points_are_accurate(system: str, tmp_path: Path, capsys: object) 
 
 
 def test_a_loose_tolerance_is_called_wrong_and_a_short_limit_a_failure() -> None:
-    wrong = run_sample(Settings("pendulum", tolerance=1e-2), 12, 11)
-    assert "wrong" in {one.verdict for one in wrong}
-    assert not passes(wrong)
-    failed = run_sample(Settings("pendulum", max_steps=3), 10, 11)
-    refused = [one for one in failed if one.verdict == "failed"]
-    assert len(refused) > 6
-    assert all("solver.max_steps = 3" in one.message for one in refused)
-    assert not passes(failed)
+    outcomes = run_sample(Settings("pendulum", tolerance=1e-2, max_steps=6), 20, 11)
+    assert {"wrong", "failed"} <= {one.verdict for one in outcomes}
+    refused = [one for one in outcomes if one.verdict == "failed"]
+    assert 3 < len(refused) < 17
+    assert all("solver.max_steps = 6" in one.message for one in refused)
+    assert all(one.error > sample.ALLOWED for one in outcomes if one.verdict == "wrong")
+    assert not passes(outcomes)
 
 
 def test_what_passes() -> None:
