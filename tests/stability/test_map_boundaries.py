@@ -158,7 +158,13 @@ def test_a_bad_axis_is_refused_by_name(vary: str, message: str, capsys) -> None:
 
 @pytest.mark.parametrize(
     "arguments",
-    [[], ["bead_on_wire"], ["--vary", "a.b=1:2:3"], ["--all", "--jobs", "0"]],
+    [
+        [],
+        ["bead_on_wire"],
+        ["--vary", "a.b=1:2:3"],
+        ["--all", "--jobs", "0"],
+        ["--all", "--documentation", "fmus", "--method", "rk4"],
+    ],
 )
 def test_wrong_usage_is_told_apart(arguments: list[str], capsys) -> None:
     with pytest.raises(SystemExit) as caught:

@@ -90,6 +90,8 @@ def run(options: argparse.Namespace) -> int:
         options.wrong("--sample and --jobs take numbers from 1 on")
     if not (options.accuracy > 0.0 and options.periods >= 64.0 and options.calls >= 1000.0):
         options.wrong("--accuracy must be above 0, --periods at least 64, --calls at least 1000")
+    if options.documentation and (not options.all or options.method or options.no_plots):
+        options.wrong("--documentation goes with --all and every method")
     good = True
     if maps or options.all:
         _maps(options)
