@@ -149,8 +149,13 @@ def print_long(results: Sequence[LongRun]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(title=f"bead let go at {START:g} rad", box=None, title_justify="left")
-    for heading in ("method", "periods", "energy error", "~ t^", "phase error (periods)", "~ t^"):
+    table = Table(
+        title=f"bead let go at {START:g} rad: errors of energy (relative) and phase (periods)",
+        box=None,
+        title_justify="left",
+    )
+    table.add_column("method", no_wrap=True)
+    for heading in ("periods", "energy", "~ t^", "phase", "~ t^"):
         table.add_column(heading, justify="right")
     table.add_column("as theory says")
     for one in results:
