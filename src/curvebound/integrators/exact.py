@@ -140,6 +140,9 @@ class Exact(Method):
         self.h: float = 0.0
         self.a: Matrix = []
         self.c: Matrix = []
+        #: to the coordinates of the propagator and back; empty where it is for the model's own
+        self.ahead: Matrix = []
+        self.back: Matrix = []
         self.e: Matrix = []
         self.s: Matrix = []
 
@@ -150,7 +153,14 @@ class Exact(Method):
         c = model.power_form()
         if duration != self.h or a != self.a or c != self.c:
             self.h = 0.0
-            self.e, self.s = propagator(a, c, duration)
+            separate, ahead, back = model.separation()
+            if separate:
+                e, s = propagator(separate, product(product(transposed(back), c), back), duration)
+                self.ahead, self.back, self.e = ahead, back, e
+                self.s = product(product(transposed(ahead), s), ahead)
+            else:
+                self.ahead, self.back = [], []
+                self.e, self.s = propagator(a, c, duration)
             self.h, self.a, self.c = duration, a, c
         z = [model.q0, model.q1, model.v0, model.v1, 1.0]
         if model.works:
@@ -161,11 +171,15 @@ class Exact(Method):
                     row[0] * z[0] + row[1] * z[1] + row[2] * z[2] + row[3] * z[3] + row[4]
                 )
             model.work += work
-        e = self.e
-        model.q0 += moved(e[0], z)
-        model.q1 += moved(e[1], z)
-        model.v0 += moved(e[2], z)
-        model.v1 += moved(e[3], z)
+        if self.ahead:
+            z = [moved(row, z) for row in self.ahead]
+        change = [moved(row, z) for row in self.e]
+        if self.ahead:
+            change = [moved(row, change) for row in self.back]
+        model.q0 += change[0]
+        model.q1 += change[1]
+        model.v0 += change[2]
+        model.v1 += change[3]
         if not math.isfinite(model.q0 + model.q1 + model.v0 + model.v1):
             self.reached = duration
             return NOT_FINITE

@@ -106,6 +106,14 @@ class Model:
         """
         raise NotImplementedError
 
+    def separation(self) -> tuple[list[list[float]], list[list[float]], list[list[float]]]:
+        """(A, T, T^-1), (5, 5) each: linear_system() for coordinates y = T z; empty: for z itself.
+
+        Such that modes of very different rates do not cancel in A, whose rounding the slow ones
+        would feel.
+        """
+        return [], [], []
+
     def power_form(self) -> list[list[float]]:
         """C, symmetric, (5, 5): power = z C z with z of linear_system(); only if is_linear."""
         raise NotImplementedError

@@ -15,11 +15,26 @@ linear accelerations.
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from .base import Jacobian
 from .parabola_nonlinear import ParabolaNonlinear
 
 __all__ = ["ParabolaLinear"]
+
+#: of the slider in the coordinate X, below which X and k are too alike
+LEAST_SHARE: Final = 0.05
+
+
+def doubled(m: list[list[float]]) -> list[list[float]]:
+    """The matrix (2, 2) for coordinates and rates alike, and the constant 1: (5, 5)."""
+    return [
+        [m[0][0], m[0][1], 0.0, 0.0, 0.0],
+        [m[1][0], m[1][1], 0.0, 0.0, 0.0],
+        [0.0, 0.0, m[0][0], m[0][1], 0.0],
+        [0.0, 0.0, m[1][0], m[1][1], 0.0],
+        [0.0, 0.0, 0.0, 0.0, 1.0],
+    ]
 
 
 class ParabolaLinear(ParabolaNonlinear):
@@ -110,6 +125,34 @@ class ParabolaLinear(ParabolaNonlinear):
             [th_u, th_th, th_p, th_o, self.th_1],
             [0.0, 0.0, 0.0, 0.0, 0.0],
         ]
+
+    def separation(self) -> tuple[list[list[float]], list[list[float]], list[list[float]]]:
+        # The centre of mass X = u + p th, p = m2 r / (m1 + m2), moves slowly, for inner forces do
+        # not move it; k = th - q is what a light slider follows fast. u = (X - p k)/s.
+        a2 = 2.0 * self.a
+        p = self.m2 * self.r / self.mass
+        s = 1.0 + a2 * p
+        if math.fabs(s) < LEAST_SHARE:
+            return [], [], []
+        down = -p / s
+        x_u = a2 * ((self.f1y + self.f2y) / self.mass - self.lift)
+        x_p = -self.c1 / self.mass
+        x_1 = (self.f1x + self.f2x) / self.mass - self.sway
+        k_o = self.th_o - a2 * self.u_o
+        k_u = a2 * (self.th_q - a2 * self.u_q)
+        k_p = self.th_p - a2 * self.u_p + a2 * k_o
+        k_k = self.th_k - a2 * self.u_k
+        system = [
+            [0.0, 0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0, 0.0],
+            [x_u / s, x_u * down, x_p / s, x_p * down, x_1],
+            [k_u / s, k_k + k_u * down, k_p / s, k_o + k_p * down, self.th_1 - a2 * self.u_1],
+            [0.0, 0.0, 0.0, 0.0, 0.0],
+        ]
+        # th = k + a2 u = (a2 X + k)/s
+        ahead = [[1.0, p], [-a2, 1.0]]
+        back = [[1.0 / s, down], [a2 / s, 1.0 / s]]
+        return system, doubled(ahead), doubled(back)
 
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
