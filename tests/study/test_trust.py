@@ -75,6 +75,15 @@ def test_the_overview_states_each_measure_and_names_the_cheapest(tmp_path: Path)
     assert write_overview(tmp_path / "empty", plots=False) is None
 
 
+def test_the_order_is_that_above_the_rounding() -> None:
+    """Below 1e-13 more steps bring more rounding, which is no law of the method."""
+    rows = [
+        row(size, size**4 + 1e-17 / size, method="rk4", size_is="step")
+        for size in [10.0 ** (-n / 2) for n in range(2, 12)]
+    ]
+    assert order_of(rows, "angle", "rk4") == pytest.approx(4.0, abs=0.05)
+
+
 def test_lessons_name_order_and_cheapest() -> None:
     rows = [row(size, size**1.2) for size in SIZES]
     assert order_of(rows, "angle", "adaptive") == pytest.approx(1.2)

@@ -28,12 +28,23 @@ def _family(rows: Sequence[Row], form: str, method: str) -> dict[float, Row]:
 
 
 def order_of(rows: Sequence[Row], form: str, method: str) -> float | None:
-    """Exponent of the numerical error in micro step or tolerance, by a log-log fit."""
-    points = [
-        (math.log(size), math.log(row["numerical"]))
-        for size, row in _family(rows, form, method).items()
-        if _LOW < row["numerical"] < _HIGH
-    ]
+    """Exponent of the numerical error in micro step or tolerance, by a log-log fit.
+
+    Micro steps are taken from the longest on while the error falls: where more of them bring more
+    rounding, there is no law.
+    """
+    points: list[tuple[float, float]] = []
+    for size, row in sorted(_family(rows, form, method).items(), reverse=True):
+        error = row["numerical"]
+        if (
+            points
+            and row["size_is"] == "step"
+            and (error <= _LOW or math.log(error) >= points[-1][1])
+        ):
+            break
+        if not _LOW < error < _HIGH:
+            continue
+        points.append((math.log(size), math.log(error)))
     if len(points) < 3:
         return None
     return statistics.linear_regression([x for x, _ in points], [y for _, y in points]).slope
