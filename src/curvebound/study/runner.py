@@ -139,24 +139,28 @@ class Runner:
         begin, end = self.scene.start_time, self.scene.stop_time
         spent: list[float] = []
         set_up: list[float] = []
+        speed = _meter.read()
         while len(spent) < 3 or (sum(spent) < _ENOUGH and len(spent) < 15):
-            spent.append(self._timed(prepared, values, setting.step, end))
-            set_up.append(self._timed(prepared, values, tiny, begin + tiny))
+            for stop, step, found in (
+                (end, setting.step, spent),
+                (begin + tiny, tiny, set_up),
+            ):
+                taken = self._timed(prepared, values, step, stop)
+                before, speed = speed, _meter.read()
+                found.append(taken / _meter.slowness(before, speed))
             if spent[0] > 0.3:
                 break
         return max(median(spent) - median(set_up), 1e-7) / self.span
 
     @staticmethod
     def _timed(prepared: Prepared, values: dict[str, Value], step: float, stop: float) -> float:
-        """CPU seconds of a run, as if the machine had nothing else to do."""
-        before = _meter.read()
+        """CPU seconds of a run."""
         began = clock.process_time()
         try:
             prepared.run(values, step=step, stop_time=stop)
         except RunFailed:
             return math.inf
-        spent = clock.process_time() - began
-        return spent / _meter.slowness(before, _meter.read())
+        return clock.process_time() - began
 
 
 class _Meter:
