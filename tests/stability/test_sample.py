@@ -202,11 +202,26 @@ def test_a_loose_tolerance_is_called_wrong_and_a_short_limit_a_failure() -> None
     assert not passes(outcomes)
 
 
+def test_rounding_that_the_motion_magnifies_is_warned_of() -> None:
+    """Point 776 of seed 2: a slider 6e7 times lighter than its bob, far up a parabola."""
+    settings = Settings("pendulum")
+    worker = sample._Worker(settings)
+    outcome = worker.run(draw("pendulum", 777, 2)[776])
+    assert outcome.verdict == "warned"
+    assert outcome.error < 1e-5
+    assert "rounding alone may exceed solver.tolerance = 1e-08; choose a heavier" in outcome.message
+    tame = worker.prepared.run({"plant.pendulum.mass": 1e4})
+    assert not [note for note in tame.notes if "rounding" in note]
+    worker.prepared.close()
+
+
 def test_what_passes() -> None:
     def outcomes(**count: int) -> list[Outcome]:
         return [Outcome(Point(0, {}), name) for name, n in count.items() for _ in range(n)]
 
     assert passes(outcomes(accurate=991, failed=9))
+    assert passes(outcomes(accurate=991, warned=9))
+    assert not passes(outcomes(accurate=990, warned=10))
     assert not passes(outcomes(accurate=990, failed=6, unknown=4))
     assert not passes(outcomes(accurate=999, wrong=1))
     assert not passes(outcomes(accurate=999, crashed=1))

@@ -184,6 +184,18 @@ class PlantEngine(Engine):
             if said:
                 self.say(WARNING, said)
 
+        if self.remembers and self.method.CHOOSES_STEP and not watch.said_rounding:
+            model = self.model
+            said = watch.rounding(
+                model.magnification,
+                self.relative,
+                self.tolerance_name(),
+                model.remedy("rounding"),
+                self.time,
+            )
+            if said:
+                self.say(WARNING, said)
+
     def tolerance_name(self) -> str:
         """What sets the tolerance."""
         return "tolerance (fmi2SetupExperiment)" if self.tolerance_defined else "solver.tolerance"

@@ -16,6 +16,10 @@ ENERGY_FRACTION: Final = 1e-2
 DRIFT_FRACTION: Final = 1e-3
 #: model.acceleration_error above this
 ACCELERATION_ERROR: Final = 0.3
+#: magnification of errors by the motion, times that of a rounding, above this times the tolerance;
+#: the magnification is a bound that few motions come near
+ROUNDING: Final = 1e4
+EPSILON: Final = 1.1102230246251565e-16
 #: what the suggested step aims at, as a fraction of the bound
 _AIM: Final = 0.1
 _FIRST_PAUSE: Final = 16
@@ -32,6 +36,7 @@ class Watch:
         self.said_energy: bool = False
         self.said_drift: bool = False
         self.said_linear: bool = False
+        self.said_rounding: bool = False
         #: J, largest kinetic energy and largest change of the potential one so far
         self.moved: float = 0.0
 
@@ -89,4 +94,18 @@ class Watch:
         return (
             f"model.acceleration_error = {error:.3g} at time {time:.6g} s is more than "
             f"{ACCELERATION_ERROR:g}: the linear fidelity is beyond its range; {remedy}"
+        )
+
+    def rounding(
+        self, magnification: float, tolerance: float, setting: str, remedy: str, time: float
+    ) -> str:
+        """The warning that no step size can keep to `tolerance`, which `setting` gives, or ''."""
+        grown = EPSILON * magnification
+        if self.said_rounding or not grown > ROUNDING * tolerance:
+            return ""
+        self.said_rounding = True
+        return (
+            f"at time {time:.6g} s the motion can magnify errors {magnification:.1g} times: "
+            f"rounding alone may exceed {setting} = {tolerance:g}; {remedy}"
+            f"raise {setting} to {grown / ROUNDING:.0e}"
         )

@@ -122,7 +122,8 @@ class Model:
         """What to change, in the words of this model's variables, against `trouble`.
 
         "linear" (exact was chosen for a nonlinear model; ends in ", or " unless empty),
-        "nonlinear" (a linear model beyond its range), "drift" (of the constraint).
+        "nonlinear" (a linear model beyond its range), "drift" (of the constraint), "rounding" (that
+        the motion magnifies; ends in ", or " unless empty).
         """
         return ""
 

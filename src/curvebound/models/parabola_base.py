@@ -117,6 +117,8 @@ class ParabolaBase(FramedModel):
             return "set model.fidelity = 1 (linear), or "
         if trouble == "nonlinear":
             return "set model.fidelity = 2 (nonlinear), or start smaller"
+        if trouble == "rounding":
+            return "choose a heavier slider.mass, start lower on the parabola, or "
         return ""
 
     def variation(self) -> str:

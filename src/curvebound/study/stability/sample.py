@@ -1,7 +1,8 @@
 """Every point of a random sample run through its FMU and judged against the exact motion.
 
-A point is accurate, or it failed (the FMU refused the step with a message), or it is wrong: an
-error above what is allowed, and no word about it.
+A point is accurate, or it failed (the FMU refused the step with a message), or it warned (it ran,
+inaccurately, and the FMU logged a warning), or it is wrong: an error above what is allowed, and no
+word about it.
 """
 
 from __future__ import annotations
@@ -65,8 +66,9 @@ class Settings:
 class Outcome:
     """What became of a point.
 
-    verdict: accurate, failed, wrong, crashed, or unknown (no reference). error: the largest over
-    all outputs and times, relative. energy: the largest residual over the energy at stake.
+    verdict: accurate, failed, warned (inaccurate, and the FMU said so), wrong, crashed, or unknown
+    (no reference). error: the largest over all outputs and times, relative. energy: the largest
+    residual over the energy at stake.
     """
 
     point: Point
@@ -128,7 +130,9 @@ class _Worker:
         outcome.steps = int(result["plant.solver.steps"][-1])
         outcome.evaluations = int(result["plant.solver.evaluations"][-1])
         if not outcome.error <= ALLOWED:
-            outcome.verdict = "wrong"
+            said = [note for note in result.notes if note.startswith("plant: ")]
+            outcome.verdict = "warned" if said else "wrong"
+            outcome.message = f"error {outcome.error:.1e}; {said[0]}" if said else ""
         return outcome
 
 
