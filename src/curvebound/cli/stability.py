@@ -88,8 +88,8 @@ def run(options: argparse.Namespace) -> int:
         options.wrong("a map needs both SCENE and --vary component.variable=LOW:HIGH:N")
     if options.jobs < 1 or (options.sample is not None and options.sample < 1):
         options.wrong("--sample and --jobs take numbers from 1 on")
-    if not (options.accuracy > 0.0 and options.periods >= 64.0 and options.calls >= 1000.0):
-        options.wrong("--accuracy must be above 0, --periods at least 64, --calls at least 1000")
+    if not (options.accuracy > 0.0 and options.periods >= 1000.0 and options.calls >= 1000.0):
+        options.wrong("--accuracy must be above 0, --periods and --calls at least 1000")
     if options.documentation and (not options.all or options.method or options.no_plots):
         options.wrong("--documentation goes with --all and every method")
     good = True

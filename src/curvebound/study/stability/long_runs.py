@@ -51,7 +51,8 @@ PARTS = 64
 
 @dataclass
 class LongRun:
-    """Energy over what is at stake (largest in the run) and phase error, in periods, at its end.
+    """Energy over what is at stake (largest in the run) and phase error, in periods, at its end,
+    counted from the first sixty-fourth of the run.
 
     energy_exponent, phase_exponent: of growth with time, from a quarter of the run to its end.
     message: of a failure.
@@ -113,11 +114,14 @@ def run_long(method: str, periods: float) -> LongRun:
         return LongRun(method, periods, message=failure.cause)
     residual = np.abs(result["bead.energy.residual"]) / (GRAVITY * (1.0 - math.cos(START)))
     rate, angle = result["bead.bead.angular_velocity"], result["bead.bead.angle"]
-    late = np.array(
-        [_late(i, q, v) / one for i, (q, v) in enumerate(zip(angle[::2], rate[::2], strict=True))]
-    )
+    late = [
+        _late(i, q, v) / one for i, (q, v) in enumerate(zip(angle[::2], rate[::2], strict=True))
+    ]
+    # the velocities of Euler's methods belong to other instants than their coordinates: that is
+    # there from the first step on and grows no more, so it counts from the first of its kind
+    grown = [abs(x - late[1 + (i + 1) % 2]) for i, x in enumerate(late)]
     energy = np.maximum.accumulate(residual)[::2]
-    phase = np.maximum.accumulate(late)
+    phase = np.maximum.accumulate([0.0, *grown[1:]])
     return LongRun(
         method,
         periods,
@@ -129,11 +133,13 @@ def run_long(method: str, periods: float) -> LongRun:
 
 
 def _late(quarters: int, angle: float, rate: float) -> float:
-    """By how many s the bead is late or early, where it should have made whole quarter periods."""
+    """By how many s the bead is late where it should have made whole quarter periods.
+
+    It is lowest after an odd number of them (late: not yet there), at rest after an even one.
+    """
     if quarters % 2:
-        fastest = math.sqrt(2.0 * GRAVITY * (1.0 - math.cos(START)))
-        return abs(math.remainder(angle, 2.0 * math.pi)) / fastest
-    return abs(rate) / (GRAVITY * math.sin(START))
+        return -math.remainder(angle, 2.0 * math.pi) / rate
+    return rate / (GRAVITY * math.sin(angle))
 
 
 def _exponent(error: NDArray[Any]) -> float:
