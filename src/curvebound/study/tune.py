@@ -36,6 +36,8 @@ _ALL = 4  # families that are refined and timed in turn
 _AIM = 0.35  # share of the bound that is aimed at
 _LOOSEST, _TIGHTEST = 1e-2, 1e-15  # tolerances
 _FINEST = 200_000  # micro steps in a macro step
+_EXTREME = 4  # starts that are run in any case: the scene's own and the first corners
+_HOPELESS = 30.0  # times the bound: beyond this a setting needs no more starts to be dropped
 
 
 @dataclass
@@ -147,9 +149,14 @@ class Tuner:
         """A setting on the whole ensemble: the worst start, or what their spread leads to expect.
 
         The bound is one of prediction: errors are taken as log-normal over the starts, and the
-        next one lies below it with a probability of 0.995 (Student's t).
+        next one lies below it with a probability of 0.995 (Student's t). Where the first starts,
+        which are the extreme ones, miss by far, the others are spared.
         """
-        every = [self._evaluate(setting, bounds, member) for member in range(self.members)]
+        every: list[Candidate] = []
+        for member in range(self.members):
+            every.append(self._evaluate(setting, bounds, member))
+            if len(every) >= _EXTREME and max(c.miss for c in every) > _HOPELESS:
+                break
         own = every[0]
         misses = [c.miss for c in every]
         miss = max(misses)
