@@ -133,6 +133,10 @@ A dash: not reached with any step that was tried.</p>
 <tr><td>adaptive<td class="n">3.3<td class="n">3.3<td class="n">4.0<td class="n">4.9<td class="n">5.8</tr>
 <tr><td>implicit<td class="n">8.4<td class="n">13.7<td class="n">46.7<td class="n">153<td class="n">358</tr>
 </table>
+<p>What that teaches: few communication steps save more than any method does. At the same step of rk4
+projection has 7 times the error of the angle, baumgarte 160 times and no stabilisation 700 times. rk4 is
+the cheapest to errors of 1e-6, adaptive from there on, with which 1e-10 costs hardly more than 1e-2
+(<code>curvebound study bead_on_wire --quick</code>).</p>
 <p>Without stabilisation the drift grows as (step)<sup>4</sup> (time)<sup>2</sup>, inward, until the bead
 falls into the centre: with rk4 at 1/60 s within minutes.</p>
 <h2>Where the methods break</h2>

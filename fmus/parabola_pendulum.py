@@ -136,6 +136,10 @@ A dash: not reached with any step that was tried.</p>
 <tr><td>adaptive<td class="n">4.3<td class="n">4.5<td class="n">6.0<td class="n">7.1<td class="n">10.2</tr>
 <tr><td>implicit<td class="n">15.4<td class="n">38.1<td class="n">125<td class="n">269<td class="n">&ndash;</tr>
 </table>
+<p>What that teaches: few communication steps save more than any method does; rk4 is the cheapest to
+errors of 1e-6, adaptive from there on and for motions started high. From u = angle = 0.5 the linear
+model is off by 0.5 rad within 10 s, however exactly it is solved
+(<code>curvebound study pendulum_small pendulum_large --quick</code>).</p>
 <p>linear: exact has no error at any communication step (below 5e-15 after 10 s).</p>
 <h2>Where the methods break</h2>
 <p>Largest accurate step (solid: relative error of u and angle below 1e-3) and largest stable step
