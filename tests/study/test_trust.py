@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from curvebound.cosim import load_scene
+from curvebound.study.amplitudes import FACTORS, amplitude_rows
 from curvebound.study.files import write_json
 from curvebound.study.report import write_overview
+from curvebound.study.runner import Runner
+from curvebound.study.study import Study
 from curvebound.study.teach import crossings, lessons, order_of
 from curvebound.study.trust import points, trust
 
@@ -89,3 +93,27 @@ def test_lessons_name_order_and_cheapest() -> None:
     assert order_of(rows, "angle", "adaptive") == pytest.approx(1.2)
     assert dict(crossings(rows))[1e-4]["size"] == pytest.approx(1e-4)
     assert any("angle adaptive from" in text for text in lessons(rows))
+
+
+def test_a_simpler_model_is_judged_at_motions_of_many_sizes() -> None:
+    """The error of the linear model relative to its motion falls with the square of its size."""
+    scene = load_scene("pendulum_small")
+    scene.stop_time = 1.0
+    study = Study.of(scene)
+    with Runner(scene, study.space, study.paths) as runner:
+        rows = amplitude_rows(study, runner)
+    assert [r["factor"] for r in rows] == list(FACTORS)
+    relative = [r["modelling"] / r["amplitude"] for r in rows]
+    assert relative[1] / relative[0] == pytest.approx(9.0, rel=0.05)
+    assert rows[1]["acceleration_error"] / rows[0]["acceleration_error"] == pytest.approx(
+        9, rel=0.1
+    )
+    assert len(points("model.acceleration_error", {"scene": rows})) == len(FACTORS)
+    assert points("solver.tolerance", {"scene": rows}) == []
+
+
+def test_a_motion_that_feedback_holds_upright_is_not_made_smaller() -> None:
+    scene = load_scene("inverted_balance")
+    study = Study.of(scene)
+    with Runner(scene, study.space, study.paths) as runner:
+        assert amplitude_rows(study, runner) == []

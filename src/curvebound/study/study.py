@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
+from .amplitudes import amplitude_rows
 from .grid import Family, grid, is_sampled
 from .runner import Outcome, Runner
 from .settings import Setting, Space, space_of
@@ -135,6 +136,9 @@ class Study:
                     before = row
                     done += 1
                 done = done_before + len(family.settings)
+            if progress is not None:
+                progress(done, count, "smaller motions")
+            self.rows += amplitude_rows(self, runner)
         for structure, simpler in zip(self.space.structures, self.space.approximate, strict=True):
             if simpler:
                 model = self.space.model(Setting(structure, "", None, 1.0, ""))

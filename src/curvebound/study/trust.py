@@ -20,10 +20,12 @@ __all__ = ["MEASURES", "Point", "Trust", "points", "trust"]
 Row = dict[str, Any]
 _ROUNDING = 1e-13  # relative error below which rounding rules, not the measure
 
+_OF_MODEL = "model.acceleration_error"
+
 MEASURES = {
     "solver.tolerance": "solver.tolerance",
     "energy.residual": "energy.residual / kinetic",
-    "model.acceleration_error": "acceleration_error",
+    _OF_MODEL: "acceleration_error",
 }
 
 
@@ -84,7 +86,8 @@ def points(measure: str, studies: Mapping[str, Sequence[Row]]) -> list[Point]:
     found = []
     for scene, rows in studies.items():
         for row in rows:
-            if row["purpose"] != "micro" or row["failure"] or not row["judged"]:
+            purposes = ("micro", "amplitude") if measure == _OF_MODEL else ("micro",)
+            if row["purpose"] not in purposes or row["failure"] or not row["judged"]:
                 continue
             amplitude = row.get("amplitude") or 0.0
             said, true = _pair(measure, row)
@@ -110,7 +113,7 @@ def _pair(measure: str, row: Row) -> tuple[float, float]:
 def trust(measure: str, found: Iterable[Point], group: str = "all") -> Trust | None:
     """The statement on a measure from its points; None without any."""
     every = list(found)
-    if measure == "model.acceleration_error":  # the same model, run many times, counts once
+    if measure == _OF_MODEL:  # the same model, run many times, counts once
         every = list({(p.scene, round(math.log10(p.true), 3)): p for p in every}.values())
     if not every:
         return None

@@ -1,0 +1,87 @@
+"""How a simpler model's error falls with the size of the motion: rows at smaller starts.
+
+At the scene's own start a model is right or wrong once; whether model.acceleration_error foretells
+it shows only over motions of many sizes.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .equations import known_systems, system_of
+from .runner import Runner
+from .settings import Setting
+from .starts import initial_values, set_points
+from .truth import Truths
+
+if TYPE_CHECKING:
+    from ..cosim.system import System
+    from .study import Study
+
+__all__ = ["FACTORS", "amplitude_rows"]
+
+Row = dict[str, Any]
+
+#: of the scene's own start values
+FACTORS = (0.01, 0.03, 0.1, 0.3)
+_TOLERANCE = 1e-11  # of `adaptive`: what is left is the model's error
+
+
+def amplitude_rows(study: Study, runner: Runner) -> list[Row]:
+    """Rows with purpose `amplitude`, one per simpler model and factor.
+
+    None where the scene has no simpler model, begins at rest, or is held away from it by feedback.
+    """
+    start = _motion(study.system)
+    if not start or not any(study.space.approximate):
+        return []
+    factors = np.array(FACTORS)
+    changes = {path: value * factors for path, value in start.items()}
+    truths = Truths(study.system, study.space, study.paths, changes=changes)
+    rows = []
+    for structure, simpler in zip(study.space.structures, study.space.approximate, strict=True):
+        if not simpler:
+            continue
+        setting = Setting(
+            structure, "adaptive", _TOLERANCE, study.scene.step, study.scene.algorithm
+        )
+        for member, factor in enumerate(FACTORS):
+            smaller = {path: value * factor for path, value in start.items()}
+            outcome = runner.run(setting, smaller)
+            if outcome.failure or len(outcome.times) < 2:
+                continue
+            verdicts = truths.errors(outcome.times, outcome.outputs, member=member)
+            exact = truths.values(study.space.truth, outcome.times)
+            error = max(v.worst for v in verdicts.values())
+            rows.append(
+                {
+                    "purpose": "amplitude", "form": setting.form, "method": setting.method,
+                    "size_is": "tolerance", "size": setting.size, "macro_step": setting.step,
+                    "algorithm": setting.algorithm, "cpu": outcome.cpu, "factor": factor,
+                    "acceleration_error": outcome.measures.get("model.acceleration_error"),
+                    "amplitude": max(float(np.ptp(exact[p][:, member])) for p in study.paths),
+                    "error": error, "numerical": 0.0, "modelling": error, "failure": "",
+                    "judged": all(v.judged for v in verdicts.values()),
+                    "judged_until": min(v.until for v in verdicts.values()),
+                }
+            )  # fmt: skip
+    return rows
+
+
+def _motion(system: System) -> dict[str, float]:
+    """Start values that are motion, by path; none where feedback holds it away from rest."""
+    if any(point != 0.0 for point in set_points(system).values()):
+        return {}
+    shapes = {shape for model in known_systems() for shape in _shapes(model)}
+    return {
+        path: value
+        for path, value in initial_values(system).items()
+        if path.partition(".")[2] not in shapes
+    }
+
+
+def _shapes(model: str) -> tuple[str, ...]:
+    """Start values that a control law knows as the shape of what it holds."""
+    return system_of(model).equations.DESIGNED_FOR
