@@ -37,6 +37,7 @@ _AIM = 0.35  # share of the bound that is aimed at
 _LOOSEST, _TIGHTEST = 1e-2, 1e-15  # tolerances
 _FINEST = 200_000  # micro steps in a macro step
 _EXTREME = 4  # starts that are run in any case: the scene's own and the first corners
+_WIDEST = math.log(30.0)  # of what is expected over the worst that was seen
 _HOPELESS = 30.0  # times the bound: beyond this a setting needs no more starts to be dropped
 
 
@@ -149,7 +150,8 @@ class Tuner:
         """A setting on the whole ensemble: the worst start, or what their spread leads to expect.
 
         The bound is one of prediction: errors are taken as log-normal over the starts, and the
-        next one lies below it with a probability of 0.995 (Student's t). Where the first starts,
+        next one lies below it with a probability of 0.995 (Student's t), and within 30 times the
+        worst seen: errors of a chaotic motion spread over many orders. Where the first starts,
         which are the extreme ones, miss by far, the others are spared.
         """
         every: list[Candidate] = []
@@ -160,11 +162,12 @@ class Tuner:
         own = every[0]
         misses = [c.miss for c in every]
         miss = max(misses)
-        if min(misses) > 0.0 and miss < math.inf and len(misses) > 2:
+        if min(misses) > 0.0 and miss < math.inf and len(misses) == self.members > 2:
             logs = [math.log(m) for m in misses]
             n = len(logs)
             reach = _STUDENT.get(n - 1, 2.9) * statistics.stdev(logs) * math.sqrt(1.0 + 1.0 / n)
-            miss = max(1.1 * miss, math.exp(statistics.fmean(logs) + reach))
+            expected = statistics.fmean(logs) + reach
+            miss *= max(1.1, math.exp(min(expected - math.log(miss), _WIDEST)))
         until = min(c.until for c in every)
         failure = next((c.failure for c in every if c.failure), "")
         return replace(own, miss=miss, starts=len(every), until=until, failure=failure)
