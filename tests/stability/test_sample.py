@@ -143,6 +143,15 @@ def test_the_references_equations_are_the_kernels(system: str) -> None:
             assert mine == pytest.approx(float(other), rel=1e-10, abs=1e-13 * noise + 1e-300)
 
 
+def test_references_between_the_ends_of_their_steps() -> None:
+    """A bead that creeps under enormous damping: its rate follows from the force alone."""
+    values = {**OFF["bead"], "bead.damping": 1e11, "bead.angle_start": 3000.0}
+    found = exact("bead", values)
+    rate = -9.81 * math.sin(3000.0) / 1e11
+    assert found.states[2, 1:].astype(float) == pytest.approx([rate] * 20, rel=1e-9)
+    assert found.steps > 15
+
+
 def test_characteristic_times_count_what_is_fast() -> None:
     """A bead in the field of gravity counts with sqrt(g/r), a fast one with its rate."""
     assert exact("bead", OFF["bead"], count=10.0).end == pytest.approx(

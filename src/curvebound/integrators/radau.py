@@ -55,6 +55,8 @@ class Radau:
         #: the factorised Newton matrix by rows, and its row exchanges
         self.m: list[float] = [0.0] * (4 * STAGES * STAGES)
         self.rows: list[int] = [0] * (2 * STAGES)
+        #: largest slopes of both accelerations by q0, q1, v0, v1
+        self.slopes: list[float] = [0.0] * 8
         #: what the rounding of coordinates and rates makes of the accelerations
         self.noise0: float = 0.0
         self.noise1: float = 0.0
@@ -179,6 +181,7 @@ class Radau:
             if size > 0.5 * least:
                 stalls += 1
                 if stalls >= 2:
+                    self.round_off()
                     if least <= NOISE or (left0 <= self.noise0 and left1 <= self.noise1):
                         break
                     if stalls >= 5:
@@ -190,7 +193,20 @@ class Radau:
         else:
             return False
         self.place(model, h)
+        self.round_off()
         return True
+
+    def round_off(self) -> None:
+        """Find what rounding makes of the accelerations of the present stages."""
+        x0 = x1 = w0 = w1 = 0.0
+        for i in range(STAGES):
+            x0 = max(x0, math.fabs(self.x0[i]))
+            x1 = max(x1, math.fabs(self.x1[i]))
+            w0 = max(w0, math.fabs(self.w0[i]))
+            w1 = max(w1, math.fabs(self.w1[i]))
+        s = self.slopes
+        self.noise0 = SPREAD * EPSILON * ((s[0] * x0 + s[1] * x1) + (s[2] * w0 + s[3] * w1))
+        self.noise1 = SPREAD * EPSILON * ((s[4] * x0 + s[5] * x1) + (s[6] * w0 + s[7] * w1))
 
     def factorise(self, model: Model, t: float, h: float, unit0: float, unit1: float) -> bool:
         """The Newton matrix I - h^2 B dK/dq - h A dK/dv, in the units, and its triangles."""
@@ -198,24 +214,22 @@ class Radau:
         n = 2 * STAGES
         hh = h * h
         ratio = unit1 / unit0
-        noise0 = noise1 = 0.0
+        slopes = self.slopes
+        for i in range(8):
+            slopes[i] = 0.0
         for i in range(STAGES):
             # by pairs of floats, in the order of Jacobian
             j00, j01, j10, j11, k00, k01, k10, k11 = model.jacobian(
                 t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i]
             )
-            x0 = math.fabs(self.x0[i])
-            x1 = math.fabs(self.x1[i])
-            w0 = math.fabs(self.w0[i])
-            w1 = math.fabs(self.w1[i])
-            rounding = (math.fabs(j00) * x0 + math.fabs(j01) * x1) + (
-                math.fabs(k00) * w0 + math.fabs(k01) * w1
-            )
-            noise0 = max(noise0, rounding)
-            rounding = (math.fabs(j10) * x0 + math.fabs(j11) * x1) + (
-                math.fabs(k10) * w0 + math.fabs(k11) * w1
-            )
-            noise1 = max(noise1, rounding)
+            slopes[0] = max(slopes[0], math.fabs(j00))
+            slopes[1] = max(slopes[1], math.fabs(j01))
+            slopes[2] = max(slopes[2], math.fabs(k00))
+            slopes[3] = max(slopes[3], math.fabs(k01))
+            slopes[4] = max(slopes[4], math.fabs(j10))
+            slopes[5] = max(slopes[5], math.fabs(j11))
+            slopes[6] = max(slopes[6], math.fabs(k10))
+            slopes[7] = max(slopes[7], math.fabs(k11))
             j01 *= ratio
             k01 *= ratio
             j10 /= ratio
@@ -233,8 +247,6 @@ class Radau:
             m[upper + i] += 1.0
             m[lower + STAGES + i] += 1.0
         self.evaluations += STAGES
-        self.noise0 = SPREAD * EPSILON * noise0
-        self.noise1 = SPREAD * EPSILON * noise1
         return factorised(m, self.rows, n)
 
     def correct(self, unit0: float, unit1: float) -> None:

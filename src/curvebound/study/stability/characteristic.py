@@ -64,11 +64,13 @@ def exact(system: str, values: Values, *, count: float = 10.0, parts: int = 20) 
     kernel = motion.kernel_of(system, values)
 
     def found_with(tail: float, resting: float) -> Precise:
+        clock = _Clock(system, values, count)
         return solve(
             accelerations,
             kernel,
             start,
-            until=_Clock(system, values, count).end,
+            until=clock.end,
+            pace=lambda: clock.pace,
             longest=LONGEST,
             length=length,
             tail=tail,
@@ -95,6 +97,8 @@ class _Clock:
         self._real = real
         self._linear = values.get("model.fidelity") == "linear"
         self._count = count
+        #: s, half a characteristic time at the last look
+        self.pace = math.inf
         self._done = 0.0
         self._time = 0.0
         if system == "bead":
@@ -108,6 +112,7 @@ class _Clock:
         times = np.linspace(before, now, len(_WEIGHTS))
         states = trajectory.states(times)[:, :, 0].astype(float)
         rates = [self._rate(t, *states[:, i]) for i, t in enumerate(times.tolist())]
+        self.pace = 0.5 / rates[-1] if rates[-1] > 0.0 else math.inf
         passed = (now - before) * sum(w * x for w, x in zip(_WEIGHTS, rates, strict=True)) / 90.0
         if self._done + passed >= self._count:
             return before + (now - before) * (self._count - self._done) / passed

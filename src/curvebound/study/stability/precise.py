@@ -52,6 +52,7 @@ def solve(
     until: Callable[[Trajectory], float],
     longest: float,
     length: float,
+    pace: Callable[[], float] = lambda: math.inf,
     stages: int = 10,
     tail: float = TAIL,
     resting: float = RESTING,
@@ -60,7 +61,9 @@ def solve(
 
     kernel: the same system, for its Jacobian. until: called after each step with the trajectory;
     gives the end of the motion (s) once it lies within it, else infinity. length: q0 in units of
-    q1 (m), so that a coordinate at rest has a scale. tail, resting: as TAIL and RESTING.
+    q1 (m), so that a coordinate at rest has a scale. pace: called after `until`; gives the longest
+    step (s) that may follow, for between its ends long steps of stiff motion are all rounding.
+    tail, resting: as TAIL and RESTING.
     Raises CurveboundError where the steps become too short or too many.
     """
     tables = tables_of(stages)
@@ -68,7 +71,7 @@ def solve(
     per = np.array([length, 1.0 / length, length, 1.0 / length])
     trajectory = Trajectory(0.0, state[:, None])
     time = 0.0
-    h = _first(accelerations, state, longest)
+    h = min(_first(accelerations, state, longest), pace())
     last: tuple[Array, float] | None = None
     for tries in range(1, MOST_STEPS + 1):
         h = float(time + h) - time if time + h > time else 0.0
@@ -101,7 +104,7 @@ def solve(
             return Precise(trajectory, min(end, longest), tries)
         last = (rates, h)
         h *= min(3.0, max(0.5, 0.8 * max(error, 1e-30) ** (-1.0 / stages)))
-        h = min(h, 1.01 * (longest - time))
+        h = min(h, pace(), 1.01 * (longest - time))
     raise CurveboundError(f"the reference takes more than {MOST_STEPS} steps, at t = {time!r} s")
 
 
@@ -143,7 +146,7 @@ def _step(
         k = _extrapolated(tables, last[0][2:], share)
     unit = np.repeat(_units(k, state, h), s)
     inverse: Array | None = None
-    rounding = np.zeros(2 * s)
+    slopes = np.zeros((2, 2, 2, s))
     smallest = before = math.inf
     stalled = 0
     for _ in range(ITERATIONS):
@@ -157,7 +160,7 @@ def _step(
             found = _inverse(kernel, tables, times, q, v, h, unit)
             if found is None:
                 return None
-            inverse, rounding = found
+            inverse, slopes = found
         change = inverse @ (residual / unit)
         k = k + (change * unit).reshape(2, s)
         size = float(np.abs(change).max())
@@ -171,15 +174,23 @@ def _step(
         stalled = stalled + 1 if size > 0.5 * smallest else 0
         if stalled >= 3:
             # what is left is the rounding of coordinates and rates
-            if smallest < 1e-12 or np.all(np.abs(residual) <= rounding):
+            if smallest < 1e-12 or np.all(np.abs(residual) <= _rounding(slopes, q, v)):
                 break
             return None
         smallest = min(smallest, size)
     else:
         return None
     v = state[2:, None] + h * (k @ tables.integral.T)
-    noise = rounding.reshape(2, s).max(axis=1)
+    q = q0 + h * h * (k @ tables.twice.T)
+    noise = _rounding(slopes, q, v).reshape(2, s).max(axis=1)
     return np.concatenate([v, k]), np.concatenate([np.zeros(2), noise])
+
+
+def _rounding(slopes: Array, q: Array, v: Array) -> Array:
+    """What the rounding of the stages (q, v) makes of the accelerations there, shape (2 s,)."""
+    sizes = np.abs(np.stack([q, v])).astype(float)
+    found: Array = 16 * NOISE * np.einsum("kabs,kbs->as", slopes, sizes).ravel()
+    return found
 
 
 def _inverse(
@@ -187,7 +198,7 @@ def _inverse(
 ) -> tuple[Array, Array] | None:
     """Inverse of the Newton matrix at the stages (q, v), in units of the coordinates.
 
-    And what the rounding of the stages makes of the accelerations there, shape (2 s,).
+    And sizes of the slopes of the accelerations there, shape (2, 2, 2, s).
     """
     s = len(times)
     where = zip(times.astype(float), *q.astype(float), *v.astype(float), strict=True)
@@ -195,9 +206,6 @@ def _inverse(
         slopes = h * np.array([kernel.jacobian(*(float(x) for x in one)) for one in where])
     except (ArithmeticError, ValueError):
         return None
-    parts = np.abs(slopes).T.reshape(2, 2, 2, s) / h  # of q, then of v: a, by coordinate
-    sizes = np.abs(np.stack([q, v])).astype(float)
-    rounding = 16 * NOISE * np.einsum("kabs,kbs->as", parts, sizes).ravel()
     # 2 x 2 blocks of (s, s): slopes[:, 2 a + b] is d a_a / d q_b, 4 later d a_a / d v_b
     of_q = (slopes[:, :4].T * h).reshape(2, 2, s)
     of_v = slopes[:, 4:].T.reshape(2, 2, s)
@@ -208,7 +216,9 @@ def _inverse(
         inverse: Array = np.linalg.inv(matrix * (unit[None, :] / unit[:, None]))
     except np.linalg.LinAlgError:
         return None
-    return (inverse, rounding) if np.all(np.isfinite(inverse)) else None
+    # of q, then of v: accelerations by coordinate
+    sizes = np.abs(slopes).T.reshape(2, 2, 2, s) / h
+    return (inverse, sizes) if np.all(np.isfinite(inverse)) else None
 
 
 def _units(k: Array, state: Array, h: float) -> Array:
