@@ -25,7 +25,7 @@ steps = st.floats(-12.0, 9.0).map(lambda x: 10.0**x) | st.floats(
 ).map(math.exp)
 
 
-@counts(60, 700)
+@counts(60, 500)
 @pytest.mark.parametrize("system", FMUS)
 def test_finite_or_refused_in_bounded_work(system: str, count: int) -> None:
     def check(values: dict[str, float], step: float) -> None:

@@ -167,7 +167,7 @@ def outputs(model: Any) -> dict[str, float]:
     return dict(zip(model.OUTPUTS, values, strict=True))
 
 
-@counts(150, 2000)
+@counts(150, 1000)
 def test_newtons_law_of_the_bead(count: int) -> None:
     """Mass times acceleration in the world is gravity, inputs and the wire's force."""
 
@@ -195,7 +195,7 @@ def test_newtons_law_of_the_bead(count: int) -> None:
     holds(count, check, sampled["bead"])
 
 
-@counts(150, 2000)
+@counts(150, 1000)
 def test_newtons_law_of_slider_bob_and_whole(count: int) -> None:
     """In both fidelities the reactions are those of the exact geometry."""
 

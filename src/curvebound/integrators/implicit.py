@@ -11,6 +11,10 @@ c = 1/2 -+ s
 
 and K_i = acceleration(t + c_i h, Q_i, V_i) is solved by Newton's method with the model's Jacobian
 at both stages, to rounding level.
+
+A step that resolves nothing has solutions far off beside the right one. Where the model says that
+violent motion can come, steps that break the balance of energy are therefore halved, like those at
+which the iteration fails. Of tame motion on too large steps energy.residual tells.
 """
 
 from __future__ import annotations
