@@ -24,7 +24,7 @@ def write_whole(out: Path, write: Callable[[Path], object]) -> Path:
         os.replace(temporary, out)
     except OSError as error:
         raise CurveboundError(
-            f"{out} cannot be written: {error.strerror or error}. Choose another place with --out."
+            f"{out} cannot be written: {error.strerror or error}. Choose another place."
         ) from error
     finally:
         with suppress(OSError):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import pytest
 
 pytestmark = pytest.mark.usefixtures("system_python")
@@ -282,3 +285,37 @@ def test_strings(host, odd):
     assert [a[0] for a in result.answers] == ["OK", "OK", "OK", "Error", "OK", "OK", "OK", "OK"]
     assert result.answers[6] == ["OK", "häß%s"]
     assert bad
+
+
+_LEFT_BEHIND = """
+import sys
+from threading import get_ident
+from fmpy.fmi2 import FMU2Slave
+
+
+def wrong(*arguments):
+    raise AssertionError("of another instance")
+
+
+sys.curvebound_handover = {get_ident(): (wrong, wrong, wrong, [])}
+folder, guid, identifier = sys.argv[1:]
+fmu = FMU2Slave(guid=guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="i")
+for restart in (fmu.instantiate, fmu.reset):
+    restart()
+    sys.curvebound_handover[get_ident()] = (wrong, wrong, wrong, [])
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    fmu.doStep(0.0, 0.5)
+    print(fmu.getReal([1]))
+"""
+
+
+def test_methods_left_behind_by_another_instance_are_not_taken(odd):
+    done = subprocess.run(
+        [sys.executable, "-c", _LEFT_BEHIND, str(odd.folder), odd.guid, odd.identifier],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stdout == "[2.0]\n[2.0]\n", done.stderr

@@ -734,6 +734,7 @@ static struct {
     PYTHON(MEMBER)
     bool complete;
 } python;
+#undef MEMBER
 
 /* Find the functions of the process's Python; without them all goes through the wrapper. */
 static void find_python(void)
@@ -756,8 +757,9 @@ static void let_go(Instance *i)
     i->direct = (Direct){0};
 }
 
-/* Take the methods that a new Python object of this thread has left in sys.curvebound_handover. */
-static void take_over(Instance *i)
+/* Give up the methods of `i` and, for a Python object that this thread has just made for it, take those
+ * that the object has left in sys.curvebound_handover. Before one is made, what is there is another's. */
+static void take_over(Instance *i, bool made)
 {
     let_go(i);
     if (!python.complete)
@@ -766,7 +768,7 @@ static void take_over(Instance *i)
     void *all = python.PySys_GetObject("curvebound_handover");
     void *thread = all ? python.PyLong_FromUnsignedLong((unsigned long)pthread_self()) : NULL;
     void *methods = thread ? python.PyDict_GetItem(all, thread) : NULL;
-    if (methods && i->inner) {
+    if (methods && made && i->inner) {
         python.Py_IncRef(methods);
         i->direct = (Direct){methods, python.PyTuple_GetItem(methods, 0),
                              python.PyTuple_GetItem(methods, 1), python.PyTuple_GetItem(methods, 2),
@@ -805,8 +807,10 @@ static fmi2Status end_direct(Instance *i, const char *function, void *result, in
         if (wrapper.GetReal(i->inner, &vr, 0, &value) == fmi2Fatal) /* logs them */
             status = fmi2Fatal;
     }
-    if (!result)
-        status = refuse(i, "%s: the Python code raised an exception: %s", function, text_of(&why));
+    if (!result) {
+        refuse(i, "%s: the Python code raised an exception: %s", function, text_of(&why));
+        status = status == fmi2Fatal ? fmi2Fatal : fmi2Error;
+    }
     free(why.text);
     return status;
 }
@@ -1113,9 +1117,10 @@ static inline fmi2Status finish_reading(Slot *slot, fmi2Status status)
 static bool create_inner(Instance *i)
 {
     i->worst = fmi2OK;
+    take_over(i, false);
     i->inner = wrapper.Instantiate(i->name, fmi2CoSimulation, guid, i->resources, &i->own, i->visible,
                                    true /* report() filters */);
-    take_over(i);
+    take_over(i, true);
     return i->inner != NULL;
 }
 
@@ -1378,10 +1383,13 @@ EXPORT fmi2Status fmi2Reset(fmi2Component c)
         return fmi2Error;
     Instance *i = slot->object;
     fmi2Status status = fmi2OK;
-    if (i->inner)
-        status = outcome(i, wrapper.Reset(i->inner)), take_over(i); /* it makes a new Python object */
-    else if (!create_inner(i))
+    if (i->inner) { /* the wrapper makes a new Python object */
+        take_over(i, false);
+        status = outcome(i, wrapper.Reset(i->inner));
+        take_over(i, true);
+    } else if (!create_inner(i)) {
         status = fmi2Error;
+    }
     if (status < fmi2Error) {
         wrapper.SetupExperiment(i->inner, false, 0, 0, false, 0); /* the wrapper keeps the old one */
         i->phase = INSTANTIATED;
