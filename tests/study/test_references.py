@@ -90,6 +90,16 @@ def test_all_outputs_agree_with_an_fmu_run_finely_with_everything_on() -> None:
 
 
 @needs_long_double
+def test_an_input_function_of_doubles_does_not_ask_for_endless_steps() -> None:
+    scene = load_scene("shaken_wire")
+    scene.stop_time = 2.0
+    paths = ["bead.bead.angle"]
+    reference = refer(scene.check(), paths, continuous=True)
+    assert len(reference._trajectory.arrays()["times"]) < 300
+    assert reference.uncertainty(paths[0], [2.0])[0, 0] < 1e-14
+
+
+@needs_long_double
 def test_a_sampled_loop_is_reproduced() -> None:
     scene = load_scene("sampled_feedback")
     scene.stop_time = 1.0

@@ -29,7 +29,7 @@ __all__ = ["Reference", "refer"]
 Number = np.longdouble
 _CHECKS = 100  # times at which the two computations are compared
 _FIRST = 1e-2  # s, first step tried
-_BETWEEN = 1e-15  # relative error of a sampled loop between its communication points
+_BETWEEN = 1e-15  # relative error between the ends of steps, where that is all that can be had
 
 
 class Reference:
@@ -151,8 +151,10 @@ def _collocated(
     trajectory = Trajectory(begin, monolith.start())
     monolith.sample(begin, trajectory.final)
     size, before = _FIRST, begin
-    # results of a sampled loop are wanted where its steps end
-    dense = max(_BETWEEN, 100.0 * NOISE) if monolith.is_sampled else 30.0 * NOISE
+    # results of a sampled loop are wanted where its steps end; a function of time is no smoother
+    # than the double numbers that it returns, and no short step would make it so
+    rough = monolith.is_sampled or monolith.system.signals
+    dense = max(_BETWEEN, 100.0 * NOISE) if rough else 30.0 * NOISE
     events = list(monolith.events(end))
     for event in events:
         size = collocate(
