@@ -164,6 +164,11 @@ def test_a_bad_axis_is_refused_by_name(vary: str, message: str, capsys) -> None:
         ["--vary", "a.b=1:2:3"],
         ["--all", "--jobs", "0"],
         ["--all", "--documentation", "fmus", "--method", "rk4"],
+        ["--all", "--stop", "3"],
+        ["--long", "--set", "bead.wire.radius=2"],
+        ["--sample", "3", "--method", "rk4", "--method", "adaptive"],
+        ["--sample", "3", "--tolerance", "nan"],
+        ["--sample", "3", "--times", "0"],
     ],
 )
 def test_wrong_usage_is_told_apart(arguments: list[str], capsys) -> None:

@@ -14,6 +14,7 @@ examples:
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +93,12 @@ def run(options: argparse.Namespace) -> int:
         options.wrong("--accuracy must be above 0, --periods and --calls at least 1000")
     if options.documentation and (not options.all or options.method or options.no_plots):
         options.wrong("--documentation goes with --all and every method")
+    if not maps and (options.set or options.steps or options.stop is not None):
+        options.wrong("--set, --steps and --stop belong to a map of SCENE with --vary")
+    if options.sample is not None and len(options.method or ()) > 1:
+        options.wrong("--sample takes one --method")
+    if not (0.0 < options.tolerance < math.inf and 0.0 < options.times < math.inf):
+        options.wrong("--tolerance and --times must be above 0 and finite")
     good = True
     if maps or options.all:
         _maps(options)
@@ -143,8 +150,9 @@ def _maps(options: argparse.Namespace) -> None:
             console.print(f"{request.axis.path}: {page}", soft_wrap=True)
     if options.all:
         console.print(str(write_index(pages, options.out)), soft_wrap=True)
-        for path in write_compact(found, options.documentation or options.out):
-            console.print(str(path), soft_wrap=True)
+        if set(options.method or ()) != {"adaptive"}:  # those pictures are of steps
+            for path in write_compact(found, options.documentation or options.out):
+                console.print(str(path), soft_wrap=True)
 
 
 def _requests(options: argparse.Namespace) -> list[Any]:
