@@ -211,7 +211,7 @@ def test_a_loose_tolerance_is_called_wrong_and_a_short_limit_a_failure() -> None
     assert not passes(outcomes)
 
 
-def test_rounding_that_the_motion_magnifies_is_warned_of() -> None:
+def test_points_that_are_hard_to_judge() -> None:
     """Point 776 of seed 2: a slider 6e7 times lighter than its bob, far up a parabola."""
     settings = Settings("pendulum")
     worker = sample._Worker(settings)
@@ -219,6 +219,11 @@ def test_rounding_that_the_motion_magnifies_is_warned_of() -> None:
     assert outcome.verdict == "warned"
     assert outcome.error < 1e-5
     assert "rounding alone may exceed solver.tolerance = 1e-08; choose a heavier" in outcome.message
+    # a first sweep that met the end by chance, though not the way there, passed for the last one
+    for number in (172, 1601):
+        outcome = worker.run(draw("pendulum", number + 1, 1)[number])
+        assert outcome.verdict == "accurate"
+        assert outcome.error < 5e-7
     tame = worker.prepared.run({"plant.pendulum.mass": 1e4})
     assert not [note for note in tame.notes if "rounding" in note]
     worker.prepared.close()

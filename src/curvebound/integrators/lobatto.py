@@ -336,6 +336,7 @@ class Collocation:
                 work += A76 * model.power(t + C6 * h, y6, x6, u6, w6, a6, b6)
                 work += A77 * model.power(t + h, y7, x7, u7, w7, a7, b7)
                 break
+            d5, d6, e5, e6 = a5, a6, b5, b6
             a5, b5 = model.acceleration(t + C5 * h, y5, x5, u5, w5)
             a6, b6 = model.acceleration(t + C6 * h, y6, x6, u6, w6)
             a7, b7 = model.acceleration(t + h, y7, x7, u7, w7)
@@ -348,6 +349,11 @@ class Collocation:
             before = change
             change = max(math.fabs(u7 - last0) * scale0, math.fabs(w7 - last1) * scale1)
             left = change * max(contraction, PRESUMED)
+            if sweep == 0:
+                # the end may be hit by chance: what the next sweep would change it by at most
+                still0 = A75 * math.fabs(a5 - d5) + A76 * math.fabs(a6 - d6)
+                still1 = A75 * math.fabs(b5 - e5) + A76 * math.fabs(b6 - e6)
+                left = max(left, h * max(still0 * scale0, still1 * scale1))
             if before > 0.0:
                 contraction = max(change / before, FASTEST)
                 left = change * contraction
