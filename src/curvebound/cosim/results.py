@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CurveboundError
-from .files import write_whole
+from ..files import write_whole
 
 __all__ = ["Result", "RunFailed", "as_csv", "read_csv", "write_csv"]
 

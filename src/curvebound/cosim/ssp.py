@@ -20,7 +20,7 @@ from dataclasses import asdict
 from pathlib import Path
 from xml.etree import ElementTree
 
-from .files import write_whole
+from ..files import write_whole
 from .fmu import BASE_UNITS, Value, Variable
 from .results import as_csv
 from .scene import Scene

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..cosim.files import write_whole
+from ..files import write_whole
 
 __all__ = ["read_json", "write_json", "write_rows"]
 

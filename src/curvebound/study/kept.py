@@ -19,8 +19,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from ..cosim.files import write_whole
 from ..errors import CurveboundError
+from ..files import write_whole
 from ..places import cache_directory
 from .equations import Array
 from .monolith import Monolith, Value

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..cosim.files import write_whole
+from ..files import write_whole
 from .front import pareto, usable
 from .teach import crossings, lessons
 from .trust import MEASURES, Trust

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..cosim.files import write_whole
 from ..errors import CurveboundError
+from ..files import write_whole
 from .front import pareto, usable
 
 __all__ = ["draw_macro", "draw_precision", "draw_trust", "draw_work", "new_figure", "save"]

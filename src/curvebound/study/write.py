@@ -6,10 +6,10 @@ import ast
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..cosim.files import write_whole
 from ..cosim.fmu import Value
 from ..cosim.scene import Scene
 from ..errors import CurveboundError
+from ..files import write_whole
 from .settings import Setting, Space
 
 __all__ = ["choice_block", "put_choice", "script_of"]

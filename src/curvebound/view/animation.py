@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..cosim.files import write_whole
 from ..errors import CurveboundError
+from ..files import write_whole
 from .actors import BEAD, Actor, missing
 from .drawing import INK, Cast, Results, Stage, figure, pixels
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
-from ..cosim.files import write_whole
+from ..files import write_whole
 
 __all__ = ["asset", "write_text"]
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..cosim.files import write_whole
 from ..errors import CurveboundError
+from ..files import write_whole
 from .actors import BEAD, Actor, Floats, split_name
 from .drawing import GREY, INK, Cast, Results, Stage, as_floats, colour_of, figure, save_small
 from .geometry import distances

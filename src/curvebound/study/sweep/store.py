@@ -10,8 +10,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ...cosim.files import write_whole
 from ...errors import CurveboundError
+from ...files import write_whole
 from .task import Row
 
 __all__ = ["Store", "read_sweep"]
