@@ -216,8 +216,9 @@ class PlantEngine(Engine):
             )
         if failure == NOT_CONVERGED:
             return (
-                f"solver.method = implicit: the Newton iteration does not converge{where}, "
-                f"even with an internal step of {reached!r} s: reduce solver.step"
+                f"solver.method = implicit: the Newton iteration does not converge{where}, or not "
+                "to what keeps the balance of energy, even with an internal step of "
+                f"{reached!r} s: reduce solver.step, or choose solver.method = adaptive"
             )
         m = self.model
         size = f" with internal steps of {reached!r} s" if reached > 0.0 else ""

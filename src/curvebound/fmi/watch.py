@@ -22,6 +22,8 @@ ROUNDING: Final = 1e4
 EPSILON: Final = 1.1102230246251565e-16
 #: what the suggested step aims at, as a fraction of the bound
 _AIM: Final = 0.1
+#: what keeps a bound, rounded to one digit, above what it has to exceed
+_GENEROUS: Final = 1.5
 _FIRST_PAUSE: Final = 16
 _LONGEST_PAUSE: Final = 64
 
@@ -107,5 +109,5 @@ class Watch:
         return (
             f"at time {time:.6g} s the motion can magnify errors {magnification:.1g} times: "
             f"rounding alone may exceed {setting} = {tolerance:g}; {remedy}"
-            f"raise {setting} to {grown / ROUNDING:.0e}"
+            f"raise {setting} to {_GENEROUS * grown / ROUNDING:.0e}"
         )

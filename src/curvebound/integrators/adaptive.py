@@ -1,7 +1,8 @@
 """Adaptive integration: Lobatto IIIA collocation of order 14 with PI control of the step.
 
-The step is lobatto.Collocation's. The controller is the proportional-integral one of Gustafsson
-(1991; Hairer, Wanner 1996, eq. IV.2.43): h *= safety error^-alpha error_before^beta.
+The step is lobatto.Collocation's, in stiff stretches that of stiff.Stiff (Radau IIA, order 13).
+The controller is the proportional-integral one of Gustafsson (1991; Hairer, Wanner 1996, eq.
+IV.2.43): h *= safety error^-alpha error_before^beta.
 """
 
 from __future__ import annotations
@@ -44,9 +45,10 @@ LARGEST: Final = 1e300
 class Adaptive(Method):
     """Seven evaluations per sweep, usually two to four sweeps per step, order 14.
 
-    The tolerance is relative to the fastest relative rate of the whole motion: for each rate that
-    rate times the scale of its coordinate. A motion that starts from rest, or rests, thus needs no
-    absolute tolerance. The error over ten oscillations is of the size of the tolerance.
+    The tolerance is relative to the rates: each coordinate's own, and that of the other as far as
+    the model's coupling says. A motion that starts from rest, or rests, thus needs no absolute
+    tolerance. Where the model says that errors grow (magnification), a step may make as much less.
+    The error over ten oscillations is of the size of the tolerance.
     """
 
     ORDER = 14

@@ -22,8 +22,6 @@ Matrix = list[list[float]]
 #: largest norm of A h at which the series is summed; 20 terms then reach rounding level
 SMALL = 0.25
 TERMS = 20
-#: doublings beyond which exp(A h) has overflowed or the system is no mechanical one
-MOST_DOUBLINGS = 1000
 
 
 def product(a: Matrix, b: Matrix) -> Matrix:
@@ -75,7 +73,7 @@ def balance(a: Matrix) -> list[float]:
 def propagator(a: Matrix, c: Matrix, h: float) -> tuple[Matrix, Matrix]:
     """E = exp(a h) - I and S = integral of exp(a s)' c exp(a s) ds from 0 to h, shapes as a.
 
-    `c` is symmetric. Raises OverflowError where the result leaves the finite numbers.
+    `c` is symmetric. Raises OverflowError where a h is not finite; the results may overflow.
     """
     n = len(a)
     size = range(n)
@@ -124,6 +122,7 @@ def propagator(a: Matrix, c: Matrix, h: float) -> tuple[Matrix, Matrix]:
 
 
 def plus(a: Matrix, b: Matrix) -> Matrix:
+    """The sum a + b of matrices of one shape."""
     return [[a[i][j] + b[i][j] for j in range(len(a[i]))] for i in range(len(a))]
 
 
@@ -191,5 +190,5 @@ class Exact(Method):
 
 
 def moved(row: list[float], z: list[float]) -> float:
-    """One row of E times z."""
+    """One row of a matrix with five columns times z."""
     return row[0] * z[0] + row[1] * z[1] + row[2] * z[2] + row[3] * z[3] + row[4]

@@ -281,7 +281,7 @@ class ParabolaNonlinear(ParabolaBase):
         potential = -self.mass * (self.gx * x + self.gy * y)
         potential -= hang * (self.gx * s - self.gy * c)
         size = self.mass * (math.fabs(self.gx * x) + math.fabs(self.gy * y))
-        size += hang * (math.fabs(self.gx) + math.fabs(self.gy))
+        size += hang * (math.fabs(self.gx) + math.fabs(self.gy)) + math.fabs(self.work)
         return kinetic + potential - self.work, kinetic + size
 
     def reactions(self) -> tuple[float, float, float, float]:
