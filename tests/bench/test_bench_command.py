@@ -81,6 +81,16 @@ def test_only_picks_sections_and_refuses_others(capsys: pytest.CaptureFixture[st
     assert "kernel" in capsys.readouterr().err
 
 
+def test_a_file_that_cannot_be_written_is_refused_before_the_first_measurement(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("curvebound.bench.run.run_sections", None)
+    (tmp_path / "file").touch()
+    for path in (tmp_path, tmp_path / "file" / "bench.json"):
+        assert main(["bench", "--json", str(path)]) == 1
+        assert f"{path} cannot be written" in capsys.readouterr().err.replace("\n", "")
+
+
 def test_a_section_that_cannot_run_is_left_out_with_the_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -42,7 +42,10 @@ def run(options: argparse.Namespace) -> int:
     from ..bench.report import as_data, print_report, save
     from ..bench.results import Settings
     from ..bench.run import run_sections
+    from ..files import require_writable
 
+    if options.json:  # known before the minutes that the figures take
+        require_writable(options.json)
     settings = Settings(quick=options.quick, rounds=1 if options.quick else 7)
     names = [name for name in _SECTIONS if name in (options.only or _SECTIONS)]
     with Console(stderr=True).status("") as status:
