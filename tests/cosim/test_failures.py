@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from curvebound.cosim import RunFailed, Scene, read_csv
+from curvebound.cosim.algorithms import advance_of
 from curvebound.cosim.command import main
 from curvebound.cosim.instance import Instance
+from curvebound.errors import CurveboundError
 
 
 @pytest.fixture
@@ -88,3 +90,26 @@ def test_failing_initialization_names_the_component(mass_fmu):
     scene.connect("one.x", "two.other").connect("two.x", "one.other")
     with pytest.raises(RunFailed, match=r"failed at t = 0 s: component two: .*fmi2DoStep"):
         scene.run()
+
+
+def test_an_interrupted_run_is_no_failed_one_and_keeps_what_it_has(scene, tmp_path, monkeypatch):
+    stop = iter([None] * 20)
+
+    def interrupt(schedule):
+        advance = advance_of(schedule)
+
+        def step(time, size):
+            if next(stop, stop) is stop:
+                raise KeyboardInterrupt
+            advance(time, size)
+
+        return step
+
+    monkeypatch.setattr("curvebound.cosim.prepared.advance_of", interrupt)
+    out = tmp_path / "partial.csv"
+    assert main(scene, ["--out", str(out)]) == 1
+    assert len(read_csv(out)) == 21
+    with scene.prepare() as prepared, pytest.raises(KeyboardInterrupt) as caught:
+        prepared.run()
+    assert not isinstance(caught.value, CurveboundError)
+    assert len(caught.value.result.data) == 1

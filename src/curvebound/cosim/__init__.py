@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .load import load_scene, scene_names
     from .prepared import Prepared
-    from .results import Result, RunFailed, read_csv, write_csv
+    from .results import Result, RunFailed, RunInterrupted, read_csv, write_csv
     from .scene import Adaptive, Needs, Scene
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Prepared",
     "Result",
     "RunFailed",
+    "RunInterrupted",
     "Scene",
     "load_scene",
     "read_csv",
@@ -27,7 +28,7 @@ __all__ = [
 _HOME = {
     "load": ("load_scene", "scene_names"),
     "prepared": ("Prepared",),
-    "results": ("Result", "RunFailed", "read_csv", "write_csv"),
+    "results": ("Result", "RunFailed", "RunInterrupted", "read_csv", "write_csv"),
     "scene": ("Adaptive", "Needs", "Scene"),
 }
 

@@ -137,9 +137,9 @@ def run_all(
 ) -> list[tuple[str, Result]]:
     """Run what the options ask for; each result is reported, and written, as soon as it is there.
 
-    A run that fails writes what it has before the error goes on.
+    A run that fails or is interrupted writes what it has before the error goes on.
     """
-    from .results import RunFailed
+    from .results import RunFailed, RunInterrupted
 
     results = []
     scenes = chosen(scene, options)
@@ -147,13 +147,13 @@ def run_all(
         with Progress(label, one.start_time, one.stop_time) as progress:
             try:
                 result = one.run(progress=progress)
-            except RunFailed as error:
+            except (RunFailed, RunInterrupted) as error:
                 if options.out is not None and len(error.result.data):
                     written = error.result.write(_file(options.out, label, len(scenes)))
                     raise CurveboundError(
                         f"{error} The result up to there is in {written}."
                     ) from error
-                raise
+                raise CurveboundError(str(error)) from error
         if options.out is not None:
             result.write(_file(options.out, label, len(scenes)))
         report(label, result)

@@ -17,7 +17,7 @@ from .instance import CallFailed, Instance, Library, Log
 from .loops import LoopFailed
 from .recording import Recording
 from .resolution import resolve
-from .results import Result, RunFailed
+from .results import Result, RunFailed, RunInterrupted
 from .scene import Scene
 from .schedule import Schedule
 
@@ -93,7 +93,8 @@ class Prepared:
 
         start: start values by path, on top of the scene's, for this run only.
         stop_time, step: instead of the scene's, in s.
-        Raises RunFailed with what was recorded until then; the next run works again.
+        Raises RunFailed, and RunInterrupted on Ctrl-C, with what was recorded until then; the next
+        run works again.
         """
         began = clock.perf_counter()
         values = self._start_values(start or {})
@@ -148,7 +149,8 @@ class Prepared:
         except FloatingPointError as error:
             raise self._failed(recording, counters, began, reached, "", str(error)) from error
         except KeyboardInterrupt as error:
-            raise self._failed(recording, counters, began, reached, "", "interrupted") from error
+            failed = self._failed(recording, counters, began, reached, "", "interrupted")
+            raise RunInterrupted(failed) from error
         except BaseException:
             self._free()
             raise

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..errors import CurveboundError
 from ..files import write_whole
 
-__all__ = ["Result", "RunFailed", "as_csv", "read_csv", "write_csv"]
+__all__ = ["Result", "RunFailed", "RunInterrupted", "as_csv", "read_csv", "write_csv"]
 
 Table = NDArray[Any]  # structured: time, then one column per variable
 
@@ -77,6 +77,18 @@ class RunFailed(CurveboundError):
         self.component = component
         self.time = time
         self.cause = cause
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """A run that the keyboard stopped; `time` in s, `result` holds what was recorded up to there.
+
+    Not a RunFailed: what goes on after a failed run must stop here.
+    """
+
+    def __init__(self, failed: RunFailed):
+        super().__init__(str(failed))
+        self.result = failed.result
+        self.time = failed.time
 
 
 def write_csv(data: Table, path: Path | str) -> Path:
