@@ -43,6 +43,21 @@ def test_what_is_kept_is_what_was_computed(fresh: Path, monkeypatch: pytest.Monk
     assert again.how == first.how
 
 
+def test_a_cache_that_can_only_be_read_serves(
+    fresh: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system = short(0.05).check()
+    first = refer(system, PATHS)
+
+    def refuse(path: Path) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr("curvebound.study.kept.os.utime", refuse)
+    monkeypatch.setattr(reference, "collocate", None)  # it cannot be computed again
+    again = refer(system, PATHS)
+    assert np.array_equal(first.values([0.05])[PATHS[0]], again.values([0.05])[PATHS[0]])
+
+
 def test_a_file_that_was_cut_short_is_made_again(fresh: Path) -> None:
     system = short(0.05).check()
     first = refer(system, PATHS)

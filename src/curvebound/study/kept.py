@@ -99,13 +99,15 @@ def load(key: str, monolith: Monolith) -> dict[str, Any] | None:
     try:
         with np.load(path, allow_pickle=False) as file:
             data = {name: file[name] for name in file.files}
-        monolith.history = [
+        history = [
             (float(t), {_port(p): values[i] for i, p in enumerate(data["ports"])})
             for t, values in zip(data["held_at"], data["held"], strict=True)
         ]
-        os.utime(path)
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
         return None  # not there, or cut short: it is computed again
+    monolith.history = history
+    with suppress(OSError):  # a cache that can be read only serves as well
+        os.utime(path)
     return data
 
 
