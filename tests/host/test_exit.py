@@ -72,3 +72,41 @@ def test_a_c_process_ends_cleanly(host: Host, bead: Unpacked, poison: Path) -> N
     result = host(commands, {**PLAIN, "LD_PRELOAD": str(poison)}, check=False)
     assert result.answers[-1] == ["OK"]
     assert result.status == 0
+
+
+_LOADED_AGAIN = """
+import sys
+from fmpy.fmi2 import FMU2Slave
+
+folder, guid, identifier = sys.argv[1:]
+
+
+def once():
+    fmu = FMU2Slave(guid=guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="i")
+    fmu.instantiate()
+    fmu.freeInstance()  # unloads the library
+
+
+def resident():
+    with open("/proc/self/statm") as statm:
+        return int(statm.read().split()[1]) * 4096
+
+
+for _ in range(200):
+    once()
+before = resident()
+for _ in range(1000):
+    once()
+print((resident() - before) // 1000)
+"""
+
+
+def test_a_library_loaded_again_and_again_leaves_little(bead: Unpacked) -> None:
+    """A kilobyte or two is what PythonFMU's wrapper loses of each instance."""
+    done = subprocess.run(
+        [sys.executable, "-c", _LOADED_AGAIN, str(bead.folder), bead.guid, bead.identifier],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert int(done.stdout) < 4000, done.stderr

@@ -72,6 +72,31 @@ def test_a_state_brings_its_phase_along(host, bead):
     assert result.answers[10][1:4] == ["OK", "OK", "0.10000000000000001"]
 
 
+def test_a_state_brings_the_stop_time_along(host, bead):
+    result = host(
+        [
+            *bead.start(),
+            "setup 0 - 0 1",
+            "enter 0",
+            "exit 0",
+            "step 0 0 0.5",
+            "save 0 0",
+            "write 0 0 0",
+            "reset 0",
+            "restore 0 0",
+            "step 0 0.5 1",
+            bead.new(0, 1),
+            "read 1 0 1",
+            "restore 1 1",
+            "step 1 0.5 0.5",
+            "step 1 1 0.5",
+        ]
+    )
+    status = [a[0] for a in result.answers]
+    assert [k for k, s in enumerate(status) if s != "OK"] == [10, 15]
+    assert all("after stopTime = 1 s" in result.logs[k][0][3] for k in (10, 15))
+
+
 def test_states_of_another_instance_of_the_same_fmu(host, bead):
     result = host(
         [

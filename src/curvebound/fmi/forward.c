@@ -149,20 +149,26 @@ enum {
     AFTER_A_STEP = STEPPING | DISCARDED | FAILED | TERMINATED
 };
 
+/* What this library knows of an instance, and a saved state brings back. */
+typedef struct {
+    double time;          /* end of the last successful step, else the start time */
+    double stop;
+    int32_t stop_defined;
+    int32_t phase;        /* a Phase */
+    int32_t step_status;  /* an fmi2Status, of the last fmi2DoStep */
+    int32_t unused;
+} Progress;
+
 /* What every call needs comes first: with thousands of instances these lines compete for the cache. */
 typedef struct {
     void *handle;                /* what the importing tool holds */
     fmi2Component inner;         /* the wrapper's instance; NULL after its Python code has raised */
     Direct direct;               /* how to call its Python code without the wrapper */
-    Phase phase;
+    Progress now;
     fmi2Status worst;            /* of the messages logged during the present call */
-    double time;                 /* end of the last successful step, else the start time */
-    double stop;
-    bool stop_defined;
     bool calling_host;           /* the tool's logger is running */
     bool visible;
     bool logging;
-    fmi2Status step_status;      /* of the last fmi2DoStep */
     fmi2CallbackFunctions host;  /* copies, because nothing says how long the originals live */
     fmi2CallbackFunctions own;   /* what the wrapper is given instead */
     char *name;
@@ -173,9 +179,7 @@ typedef struct {
 
 typedef struct {
     fmi2FMUstate inner; /* the wrapper's state: a reference to a Python object */
-    Phase phase;
-    double time;
-    fmi2Status step_status;
+    Progress progress;
 } State;
 
 /* ---- 2. Handles --------------------------------------------------------------------------------- */
@@ -874,6 +878,19 @@ static char *folder; /* of this library; found when it is loaded, while a relati
 static char *guid;
 static bool loaded;
 
+/* A tool may load and unload this library for each instance. */
+__attribute__((destructor)) static void clean_up(void)
+{
+    for (uint32_t place = 0; place < atomic_load(&n_slots); place++)
+        if (atomic_load(&slot_at(place)->handle))
+            return; /* still in use: the process ends */
+    free(folder);
+    free(guid);
+    folder = guid = NULL;
+    for (uint32_t k = 0; k < CHUNKS; k++)
+        free(atomic_exchange(&chunks[k], NULL));
+}
+
 __attribute__((constructor)) static void find_folder(void)
 {
     Dl_info info;
@@ -1066,8 +1083,8 @@ static __attribute__((noinline)) Slot *begin(fmi2Component c, const char *functi
         return NULL;
     Instance *i = slot->object;
     i->worst = fmi2OK;
-    if (!(i->phase & allowed)) {
-        refuse(i, "%s is not allowed %s", function, name_of(i->phase));
+    if (!(i->now.phase & allowed)) {
+        refuse(i, "%s is not allowed %s", function, name_of(i->now.phase));
         release(slot);
         return NULL;
     }
@@ -1090,7 +1107,7 @@ static inline fmi2Status outcome(Instance *i, fmi2Status status)
     if (status == fmi2Fatal) {
         let_go(i);
         i->inner = NULL;
-        i->phase = FAILED;
+        i->now.phase = FAILED;
     }
     if (status == fmi2Fatal || i->worst >= fmi2Error)
         status = fmi2Error;
@@ -1103,7 +1120,7 @@ static inline fmi2Status finish(Slot *slot, fmi2Status status)
     Instance *i = slot->object;
     status = outcome(i, status);
     if (status >= fmi2Error)
-        i->phase = FAILED;
+        i->now.phase = FAILED;
     return done(slot, status);
 }
 
@@ -1183,13 +1200,12 @@ static void drop_state(Slot *slot, Instance *any)
 }
 
 /* A state that `i` owns from now on; takes over the wrapper's `inner`. */
-static fmi2FMUstate keep_state(Instance *i, fmi2FMUstate inner, Phase phase, double time,
-                               fmi2Status step_status)
+static fmi2FMUstate keep_state(Instance *i, fmi2FMUstate inner, Progress progress)
 {
     State *state = malloc(sizeof *state);
     fmi2FMUstate handle = NULL;
     if (state) {
-        *state = (State){inner, phase, time, step_status};
+        *state = (State){inner, progress};
         handle = issue(STATE, state, i->handle);
     }
     if (handle) {
@@ -1238,7 +1254,7 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String 
     i->own.stepFinished = NULL;
     i->visible = visible;
     i->logging = logging;
-    i->phase = INSTANTIATED;
+    i->now.phase = INSTANTIATED;
     i->name = name && is_utf8(name) ? strdup(name) : NULL;
     i->resources = uri && *uri ? path_of(uri) : NULL;
     if (!uri || !*uri) { /* some tools pass none: it is beside this library */
@@ -1338,9 +1354,9 @@ EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_def
     if (stop_defined && !(isfinite(stop) && stop >= start_time))
         return finish(slot, refuse(i, "stopTime = %g: pass a finite time not before startTime = %g", stop,
                                    start_time));
-    i->time = start_time;
-    i->stop_defined = stop_defined;
-    i->stop = stop;
+    i->now.time = start_time;
+    i->now.stop_defined = stop_defined;
+    i->now.stop = stop;
     return finish(slot, wrapper.SetupExperiment(i->inner, tolerance_defined, tolerance, start_time,
                                                 stop_defined, stop));
 }
@@ -1355,7 +1371,7 @@ static fmi2Status move_on(fmi2Component c, const char *function, fmi2Status (*ca
     Instance *i = slot->object;
     fmi2Status status = outcome(i, call(i->inner));
     if (status < fmi2Error)
-        i->phase = next;
+        i->now.phase = next;
     return finish(slot, status);
 }
 
@@ -1392,10 +1408,10 @@ EXPORT fmi2Status fmi2Reset(fmi2Component c)
     }
     if (status < fmi2Error) {
         wrapper.SetupExperiment(i->inner, false, 0, 0, false, 0); /* the wrapper keeps the old one */
-        i->phase = INSTANTIATED;
-        i->stop_defined = false;
-        i->time = 0;
-        i->step_status = fmi2OK;
+        i->now.phase = INSTANTIATED;
+        i->now.stop_defined = false;
+        i->now.time = 0;
+        i->now.step_status = fmi2OK;
     }
     return finish(slot, status);
 }
@@ -1464,17 +1480,17 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2
         return fmi2Error;
     Instance *i = slot->object;
     /* The end of the step may miss the stop time by what adding up steps costs. */
-    if (i->stop_defined && time + step > i->stop + 1e-6 * step + 1e-12 * fabs(i->stop)) {
-        i->step_status = fmi2Error;
+    if (i->now.stop_defined && time + step > i->now.stop + 1e-6 * step + 1e-12 * fabs(i->now.stop)) {
+        i->now.step_status = fmi2Error;
         return finish(slot, refuse(i, "a step of %.17g s at %.17g s ends after stopTime = %.17g s: "
-                                      "shorten it, or define a later stopTime", step, time, i->stop));
+                                      "shorten it, or define a later stopTime", step, time, i->now.stop));
     }
-    i->step_status = outcome(i, do_step(i, time, step, no_rollback));
-    if (i->step_status < fmi2Discard)
-        i->time = time + step;
-    else if (i->step_status == fmi2Discard)
-        i->phase = DISCARDED;
-    return finish(slot, i->step_status);
+    i->now.step_status = outcome(i, do_step(i, time, step, no_rollback));
+    if (i->now.step_status < fmi2Discard)
+        i->now.time = time + step;
+    else if (i->now.step_status == fmi2Discard)
+        i->now.phase = DISCARDED;
+    return finish(slot, i->now.step_status);
 }
 
 EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
@@ -1508,7 +1524,7 @@ EXPORT fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
     Slot *slot = begin_inquiry(c, "fmi2GetStatus", kind == fmi2DoStepStatus, kind, value);
     if (!slot)
         return fmi2Error;
-    *value = ((Instance *)slot->object)->step_status;
+    *value = ((Instance *)slot->object)->now.step_status;
     return done(slot, fmi2OK);
 }
 
@@ -1517,7 +1533,7 @@ EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, 
     Slot *slot = begin_inquiry(c, "fmi2GetRealStatus", kind == fmi2LastSuccessfulTime, kind, value);
     if (!slot)
         return fmi2Error;
-    *value = ((Instance *)slot->object)->time;
+    *value = ((Instance *)slot->object)->now.time;
     return done(slot, fmi2OK);
 }
 
@@ -1532,7 +1548,7 @@ EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kin
     Slot *slot = begin_inquiry(c, "fmi2GetBooleanStatus", kind == fmi2Terminated, kind, value);
     if (!slot)
         return fmi2Error;
-    *value = ((Instance *)slot->object)->phase == DISCARDED; /* how a PythonFMU slave says it is over */
+    *value = ((Instance *)slot->object)->now.phase == DISCARDED; /* how a PythonFMU slave says it is over */
     return done(slot, fmi2OK);
 }
 
@@ -1598,9 +1614,9 @@ EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *handle)
     if (status < fmi2Error && reused) {
         State *state = reused->object;
         wrapper.FreeFMUstate(i->inner, &state->inner);
-        *state = (State){inner, i->phase, i->time, i->step_status};
+        *state = (State){inner, i->now};
     } else if (status < fmi2Error) {
-        *handle = keep_state(i, inner, i->phase, i->time, i->step_status);
+        *handle = keep_state(i, inner, i->now);
         if (!*handle)
             status = refuse(i, "fmi2GetFMUstate: out of memory");
     }
@@ -1623,9 +1639,7 @@ EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate handle)
     if (i->inner || create_inner(i))
         status = outcome(i, wrapper.SetFMUstate(i->inner, state->inner));
     if (status < fmi2Error) {
-        i->phase = state->phase;
-        i->time = state->time;
-        i->step_status = state->step_status;
+        i->now = state->progress;
     }
     release(saved);
     return finish(slot, status);
@@ -1651,13 +1665,11 @@ typedef struct {
     char magic[8];
     char guid[64];
     uint64_t size; /* of the wrapper's bytes */
-    double time;
-    int32_t phase;
-    int32_t step_status;
+    Progress progress;
     uint64_t checksum; /* of all other bytes */
 } Header;
 
-static const char MAGIC[8] = "curvest1";
+static const char MAGIC[8] = "curvest2";
 
 /* FNV-1a (Fowler, Noll and Vo): any single altered byte changes it. */
 static uint64_t checksum(uint64_t sum, const void *bytes, size_t n)
@@ -1720,8 +1732,7 @@ EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate handle, fm
         status = outcome(i, wrapper.SerializeFMUstate(i->inner, state->inner, bytes + sizeof(Header),
                                                       payload));
     if (status < fmi2Error) {
-        Header header = {.size = payload, .time = state->time, .phase = (int32_t)state->phase,
-                         .step_status = (int32_t)state->step_status};
+        Header header = {.size = payload, .progress = state->progress};
         memcpy(header.magic, MAGIC, sizeof MAGIC);
         strncpy(header.guid, guid, sizeof header.guid - 1);
         header.checksum = checksum_of(&header, bytes + sizeof header);
@@ -1758,7 +1769,7 @@ EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[
     fmi2Status status =
         outcome(i, wrapper.DeSerializeFMUstate(i->inner, bytes + sizeof header, header.size, &inner));
     if (status < fmi2Error) {
-        *handle = keep_state(i, inner, (Phase)header.phase, header.time, (fmi2Status)header.step_status);
+        *handle = keep_state(i, inner, header.progress);
         if (!*handle)
             status = refuse(i, "fmi2DeSerializeFMUstate: out of memory");
     }
