@@ -43,9 +43,7 @@ def test_what_is_kept_is_what_was_computed(fresh: Path, monkeypatch: pytest.Monk
     assert again.how == first.how
 
 
-def test_a_cache_that_can_only_be_read_serves(
-    fresh: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_cache_that_can_only_be_read_serves(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     system = short(0.05).check()
     first = refer(system, PATHS)
 
