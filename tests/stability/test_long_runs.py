@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from curvebound.cli import main
+from curvebound.cli.stability_usage import LONG
 from curvebound.study.stability import long_runs
 from curvebound.study.stability.benchmark import SETTINGS, position, run_one
 from curvebound.study.stability.endurance import INTERNAL, run_endurance
@@ -70,6 +71,7 @@ def test_many_communication_steps() -> None:
 
 
 def test_the_command_prints_a_table(capsys: pytest.CaptureFixture[str]) -> None:
+    assert set(LONG) == set(METHODS)
     assert main(["stability", "--long", "--method", "implicit", "--periods", "1000"]) == 0
     said = capsys.readouterr().out
     assert "implicit" in said

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
-import re
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
@@ -106,83 +104,6 @@ def test_adaptive_is_mapped_over_its_tolerance(small_swing: Probe) -> None:
     assert column.accurate > 1e-5
     assert column.stable == math.inf
     assert math.isnan(column.at_rest)
-
-
-def test_the_command_writes_table_picture_and_page(tmp_path, capsys) -> None:
-    pytest.importorskip("matplotlib")
-    arguments = ["--method", "rk4", "--method", "adaptive", "--steps", "1e-3:1:5", "--stop", "2"]
-    vary = "bead.wire.radius=0.1:10:3(log)"
-    out = tmp_path / "maps"
-    assert main(["stability", "bead_on_wire", "--vary", vary, *arguments, "--out", str(out)]) == 0
-    folder = out / "bead_on_wire"
-    assert sorted(p.name for p in folder.iterdir()) == [
-        "bead_wire_radius.csv",
-        "bead_wire_radius.html",
-        "bead_wire_radius.png",
-        "bead_wire_radius_boundaries.csv",
-    ]
-    with (folder / "bead_wire_radius_boundaries.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [float(row[RADIUS]) for row in rows] == pytest.approx([0.1, 1.0, 10.0] * 2)
-    assert float(rows[0]["stable_below"]) < float(rows[0]["theory_at_rest"])
-    assert rows[0]["size_is"] == "step (s)"
-    assert rows[3]["size_is"] == "tolerance"
-    with (folder / "bead_wire_radius.csv").open() as file:
-        verdicts = {row["verdict"] for row in csv.DictReader(file)}
-    assert {"accurate", "inaccurate"} <= verdicts
-    page = (folder / "bead_wire_radius.html").read_text()
-    assert "<svg" in page
-    assert "Runs of 2 s" in page
-
-
-@pytest.mark.parametrize(
-    ("vary", "message"),
-    [
-        ("bead.wire.radius", "is not of the form"),
-        ("bead.wire.radius=1:2", "say in how many values"),
-        ("bead.wire.radius=-1:2:3:log", "one sign"),
-        ("bead.wire.radius=1,1", "given twice"),
-        ("bead.wire.radius=a,b", "a map varies numbers"),
-        ("bead.wire.radios=1:2:3", "did you mean wire.radius"),
-        ("bead.model.formulation=1:2:2", "no start value"),
-        ("bead.solver.step=1e-3:1e-2:3", "no start value"),
-        ("wire.radius=1:2:3", "vary a parameter of bead"),
-    ],
-)
-def test_a_bad_axis_is_refused_by_name(vary: str, message: str, capsys) -> None:
-    assert main(["stability", "bead_on_wire", "--vary", vary, "--no-plots"]) == 1
-    said = re.sub(r"\s+", " ", capsys.readouterr().err)
-    assert message in said
-    assert vary.partition("=")[0] in said
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        [],
-        ["bead_on_wire"],
-        ["--vary", "a.b=1:2:3"],
-        ["--all", "--jobs", "0"],
-        ["--all", "--documentation", "fmus", "--method", "rk4"],
-        ["--all", "--stop", "3"],
-        ["--long", "--set", "bead.wire.radius=2"],
-        ["--sample", "3", "--method", "rk4", "--method", "adaptive"],
-        ["--sample", "3", "--tolerance", "nan"],
-        ["--sample", "3", "--times", "0"],
-    ],
-)
-def test_wrong_usage_is_told_apart(arguments: list[str], capsys) -> None:
-    with pytest.raises(SystemExit) as caught:
-        main(["stability", *arguments])
-    assert caught.value.code == 2
-
-
-def test_bad_steps_are_refused() -> None:
-    vary = ["--vary", "bead.wire.radius=1:2:2", "--no-plots"]
-    for steps in ("1e-3", "1e-2:1e-3:4", "1e-3:1:1"):
-        assert main(["stability", "bead_on_wire", *vary, "--steps", steps]) == 1
-    with pytest.raises(CurveboundError, match="after the start"):
-        Request("bead_on_wire", "bead.wire.radius=1:2:2", stop=-1.0).made()
 
 
 #: by FMU and variable: the least and the largest value that its map must hold

@@ -14,9 +14,11 @@ examples:
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 from typing import Any
+
+from .bar import progress_bar
+from .stability_usage import LONG, refuse, requests_of
 
 NAME = "stability"
 HELP = "find where the methods break: maps, random samples, long runs"
@@ -81,27 +83,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do what was asked for; status 1 where a sample or a long run misses its bounds."""
-    maps = bool(options.scene or options.vary)
-    if not (maps or options.all or options.long or options.sample is not None):
-        options.wrong("give SCENE with --vary, or --all, --sample N or --long")
-    if maps and not (options.scene and options.vary):
-        options.wrong("a map needs both SCENE and --vary component.variable=LOW:HIGH:N")
-    if options.jobs < 1 or (options.sample is not None and options.sample < 1):
-        options.wrong("--sample and --jobs take numbers from 1 on")
-    if not (options.accuracy > 0.0 and options.periods >= 1000.0 and options.calls >= 1000.0):
-        options.wrong("--accuracy must be above 0, --periods and --calls at least 1000")
-    if options.documentation and (not options.all or options.method or options.no_plots):
-        options.wrong("--documentation goes with --all and every method")
-    if not maps and (options.set or options.steps or options.stop is not None):
-        options.wrong("--set, --steps and --stop belong to a map of SCENE with --vary")
-    if options.sample is not None and len(options.method or ()) > 1:
-        options.wrong("--sample takes one --method")
-    if not (0.0 < options.tolerance < math.inf and 0.0 < options.times < math.inf):
-        options.wrong("--tolerance and --times must be above 0 and finite")
+    """Do what was asked for; status 1 where a map is empty, a sample or a long run misses."""
+    from ..files import require_writable
+    from ..study.extras import require
+
+    refuse(options)
+    requests = requests_of(options)
+    units = {}
+    for request in requests:
+        with request.probe() as probe:
+            units[request] = probe.unit
+    with_maps = bool(requests or options.all)
+    if with_maps and not options.no_plots:
+        require("plots")
+    if with_maps or options.sample is not None:  # before hours of runs
+        require_writable(options.out, folder=True)
+        for name in {request.made().name for request in requests}:
+            require_writable(options.out / name, folder=True)
+    if options.documentation:
+        require_writable(options.documentation, folder=True)
     good = True
-    if maps or options.all:
-        _maps(options)
+    if with_maps:
+        good = _maps(options, requests, units)
     if options.sample is not None:
         good = _sample(options) and good
     if options.long:
@@ -109,31 +112,24 @@ def run(options: argparse.Namespace) -> int:
     return 0 if good else 1
 
 
-def _maps(options: argparse.Namespace) -> None:
+def _maps(options: argparse.Namespace, requests: list[Any], units: dict[Any, str]) -> bool:
+    """Whether something is known in each map."""
     from rich.console import Console
 
-    from ..study.extras import require
     from ..study.stability.catalogue import catalogue
     from ..study.stability.compact import write_compact
-    from ..study.stability.map_report import write_index, write_map
-    from ..study.stability.maps import make_maps, values_of
+    from ..study.stability.map_report import nothing_known, write_index, write_map
+    from ..study.stability.maps import make_maps
 
-    if not options.no_plots:
-        require("plots")
     console = Console(highlight=False)
-    requests = _requests(options)
-    units = {}
-    for request in requests:  # everything is checked before the first run
-        values_of(request)
-        with request.probe() as probe:
-            units[request] = probe.unit
     if options.all:
         named = catalogue(tuple(options.method or ()), options.accuracy)
-        requests += named
-        units.update((one, one.unit) for one in named)
+        requests = requests + named
+        units = units | {one: one.unit for one in named}
     pages = []
     found = []
-    with _bar(console) as bar:
+    good = True
+    with progress_bar(console) as bar:
         task = bar.add_task("", total=None, note="")
 
         def tell(done: int, count: int, path: str) -> None:
@@ -148,52 +144,16 @@ def _maps(options: argparse.Namespace) -> None:
             pages.append((f"{name}: {request.axis.path}", page))
             found.append((request, maps))
             console.print(f"{request.axis.path}: {page}", soft_wrap=True)
+            why = nothing_known(maps)
+            if why:
+                good = False
+                console.print(f"nothing is known at any value: {why}", soft_wrap=True)
     if options.all:
         console.print(str(write_index(pages, options.out)), soft_wrap=True)
         if set(options.method or ()) != {"adaptive"}:  # those pictures are of steps
             for path in write_compact(found, options.documentation or options.out):
                 console.print(str(path), soft_wrap=True)
-
-
-def _requests(options: argparse.Namespace) -> list[Any]:
-    from ..errors import CurveboundError
-    from ..study.stability.maps import Request, steps_from
-    from ..study.stability.stability_map import METHODS
-
-    changes = []
-    for text in options.set:
-        path, equals, value = text.partition("=")
-        if not equals:
-            raise CurveboundError(f"--set {text!r} is not of the form component.variable=value.")
-        changes.append((path.strip(), value.strip()))
-    return [
-        Request(
-            options.scene,
-            text,
-            tuple(changes),
-            tuple(options.method or METHODS),
-            options.accuracy,
-            options.stop,
-            steps_from(options.steps),
-        )
-        for text in options.vary
-    ]
-
-
-def _bar(console: Any) -> Any:
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-
-    return Progress(
-        TextColumn("{task.description}"), BarColumn(bar_width=24), MofNCompleteColumn(),
-        TimeRemainingColumn(), TextColumn("{task.fields[note]}"),
-        console=console, transient=True, disable=not console.is_terminal,
-    )  # fmt: skip
+    return good
 
 
 def _sample(options: argparse.Namespace) -> bool:
@@ -204,10 +164,10 @@ def _sample(options: argparse.Namespace) -> bool:
 
     console = Console(highlight=False)
     good = True
-    for system in options.system or ("bead", "pendulum"):
+    for system in dict.fromkeys(options.system or ("bead", "pendulum")):
         method = (options.method or ["adaptive"])[0]
         settings = Settings(system, method, options.tolerance, options.times)
-        with _bar(console) as bar:
+        with progress_bar(console) as bar:
             task = bar.add_task(f"sample of the {system}", total=options.sample, note="")
             outcomes = run_sample(
                 settings,
@@ -229,15 +189,15 @@ def _long(options: argparse.Namespace) -> bool:
     from ..study.extras import require
     from ..study.stability.benchmark import SETTINGS, print_benchmark, run_one
     from ..study.stability.endurance import print_endurance, run_endurance
-    from ..study.stability.long_runs import METHODS, print_long, run_long
+    from ..study.stability.long_runs import print_long, run_long
 
     require("study")
-    methods = [m for m in METHODS if not options.method or m in options.method]
+    methods = [m for m in LONG if not options.method or m in options.method]
     others = () if options.method else tuple(range(len(SETTINGS)))
     calls = int(options.calls)
     results = []
     marks = []
-    with _bar(Console(highlight=False)) as bar:
+    with progress_bar(Console(highlight=False)) as bar:
         task = bar.add_task("long runs", total=len(methods) + len(others), note="")
         for method in methods:
             bar.update(task, description=f"{options.periods:g} periods, {method}")
@@ -253,7 +213,7 @@ def _long(options: argparse.Namespace) -> bool:
         return good
     print_benchmark(marks)
     good = all(one.good for one in marks) and good
-    with _bar(Console(highlight=False)) as bar:
+    with progress_bar(Console(highlight=False)) as bar:
         task = bar.add_task("communication steps", total=calls, note="")
         endurance = run_endurance(calls, lambda n: bar.update(task, completed=n))
     print_endurance(endurance)

@@ -16,7 +16,13 @@ from .pictures import draw
 from .probe import FAILED, UNKNOWN
 from .stability_map import RESOLUTION, Column, StabilityMap
 
-__all__ = ["stem_of", "write_index", "write_map"]
+__all__ = ["nothing_known", "stem_of", "write_index", "write_map"]
+
+
+def nothing_known(maps: Sequence[StabilityMap]) -> str:
+    """Why not one run could be judged at any value; empty where one could."""
+    verdicts = [v for one in maps for column in one.columns for v in column.verdicts.values()]
+    return verdicts[0].message if all(v.kind == UNKNOWN for v in verdicts) else ""
 
 
 def stem_of(path: str) -> str:

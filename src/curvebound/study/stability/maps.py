@@ -18,7 +18,12 @@ from ..sweep.design import Axis, axis
 from .probe import Probe
 from .stability_map import METHODS, Column, StabilityMap, map_column, sizes_of
 
-__all__ = ["Request", "make_maps", "steps_from", "values_of"]
+__all__ = ["Request", "make_maps", "refuse_ignored", "steps_from", "values_of"]
+
+#: values of a map, and steps at each, at most: a run of one takes about a second
+MOST = 10_000
+#: settings of the plant that a map makes itself
+_OWN = ("solver.method", "solver.step", "solver.tolerance", "solver.max_steps")
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,10 @@ def values_of(request: Request) -> list[float]:
             f"--vary {request.vary}: say in how many values: "
             f"{varied.path}={varied.low:g}:{varied.high:g}:N"
         )
+    if varied.count > MOST:
+        raise CurveboundError(
+            f"--vary {request.vary}: {varied.count} values are more than a map may have, {MOST}."
+        )
     try:
         values = [float(value) for value in varied.values()]
     except ValueError:
@@ -94,7 +103,23 @@ def steps_from(text: str | None) -> tuple[float, float, int] | None:
         raise CurveboundError(f"--steps {text!r} is not of the form LOW:HIGH:N.") from None
     if not (0.0 < low < high < math.inf and count > 1):
         raise CurveboundError(f"--steps {text!r}: give 0 < LOW < HIGH and N of 2 or more.")
+    if count > MOST:
+        raise CurveboundError(
+            f"--steps {text!r}: {count} steps are more than a map may have, {MOST}."
+        )
     return low, high, count
+
+
+def refuse_ignored(request: Request) -> None:
+    """CurveboundError for changes that the map itself would overwrite."""
+    plant = request.axis.path.partition(".")[0]
+    own = {request.axis.path: "--vary", **{f"{plant}.{name}": "the map" for name in _OWN}}
+    for path, value in request.changes:
+        if path in own:
+            raise CurveboundError(
+                f"--set {path}={value} would be ignored: {own[path]} sets {path}. Leave it out, or "
+                "choose with --vary, --method, --steps and --accuracy."
+            )
 
 
 class _Columns:
