@@ -89,7 +89,32 @@ def test_a_metric_that_says_more_than_arithmetic_is_refused(text: str) -> None:
 
 def test_a_metric_that_is_no_single_number_says_what_to_do() -> None:
     with pytest.raises(CurveboundError, match="wrap it"):
-        Metric("a.x + 1")(DATA)
+        Metric("a.x + 1")
+    with pytest.raises(CurveboundError, match="wrap it"):
+        Metric("at(a.x, time)")
+
+
+def test_a_time_beyond_the_end_is_no_number_and_refused_before_the_first_run() -> None:
+    assert math.isnan(Metric("at(a.x, 2.1)")(DATA))
+    design = Design([axis(DAMPING.format(3))])
+    with pytest.raises(CurveboundError, match=r"t = 1e\+09 s, and the run lasts from 0 s to"):
+        Sweep("bead_on_wire", design, ["at(bead.bead.y, 1e9)"])
+
+
+def test_the_same_metric_twice_is_refused() -> None:
+    with pytest.raises(CurveboundError, match=r"'final\(bead.bead.y\)' is given twice"):
+        Sweep("bead_on_wire", Design([axis(DAMPING.format(3))]), [METRICS[0], " " + METRICS[0]])
+
+
+def test_too_many_points_are_refused_at_once() -> None:
+    with pytest.raises(CurveboundError, match=r"1000000000 points, and may have 1000000 at most"):
+        Design([axis("a.x=1:2:1000000000")])
+
+
+def test_a_value_that_is_not_finite_is_named() -> None:
+    for text in ("a.x=nan:2:3", "a.x=1,inf"):
+        with pytest.raises(CurveboundError, match="values must be finite"):
+            axis(text)
 
 
 def test_an_interrupted_sweep_goes_on_and_ends_the_same(tmp_path: Path) -> None:
@@ -198,8 +223,19 @@ def test_a_scheduler_that_is_not_there_is_named(
     monkeypatch.setattr(
         distributed, "Client", lambda address, timeout: client(address, timeout="1s")
     )
-    with pytest.raises(CurveboundError, match=r"tcp://127\.0\.0\.1:9"):
-        sweep().run(tmp_path / "a.csv", scheduler="tcp://127.0.0.1:9")
+    out = tmp_path / "a.csv"
+    for earlier in (None, "point,mine\n"):
+        if earlier is not None:
+            out.write_text(earlier)
+        with pytest.raises(CurveboundError, match=r"tcp://127\.0\.0\.1:9"):
+            sweep().run(out, scheduler="tcp://127.0.0.1:9", restart=True)
+        assert [file.read_text() for file in tmp_path.iterdir()] == ([earlier] if earlier else [])
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(CurveboundError, match=r"x\.csv cannot be written"):
+        sweep().run(tmp_path / "file" / "x.csv")
 
 
 @pytest.mark.slow

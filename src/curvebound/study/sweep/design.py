@@ -13,6 +13,7 @@ from ...errors import CurveboundError
 
 __all__ = ["Axis", "Design", "axis"]
 
+_MOST = 1_000_000  # points of a design: some kB of memory, and a run, each
 _FORM = "component.variable=LOW:HIGH:N, LOW:HIGH:N:log or a,b,c"
 
 
@@ -60,22 +61,29 @@ def axis(text: str) -> Axis:
         if not (equals and path and rest):
             raise ValueError
         if len(parts) == 1:
-            return Axis(path, items=tuple(_item(word.strip()) for word in rest.split(",")))
+            items = tuple(_item(word.strip()) for word in rest.split(","))
+            _require_finite(text, items)
+            return Axis(path, items=items)
         logarithmic = parts[-1] == "log"
         numbers = parts[:-1] if logarithmic else parts
         if len(numbers) not in (2, 3):
             raise ValueError
         low, high = float(numbers[0]), float(numbers[1])
         count = int(numbers[2]) if len(numbers) == 3 else 0
-        if not (math.isfinite(low) and math.isfinite(high)):
-            raise ValueError
     except ValueError:
         raise CurveboundError(f"--vary {text!r} is not of the form {_FORM}.") from None
+    _require_finite(text, (low, high))
     if len(numbers) == 3 and count < 1:
         raise CurveboundError(f"--vary {text!r}: give 1 value or more, not {count}.")
     if logarithmic and not low * high > 0.0:
         raise CurveboundError(f"--vary {text!r}: log needs two ends of one sign, neither zero.")
     return Axis(path, low, high, count, logarithmic)
+
+
+def _require_finite(text: str, values: Sequence[Value]) -> None:
+    for value in values:
+        if isinstance(value, float) and not math.isfinite(value):
+            raise CurveboundError(f"--vary {text!r}: values must be finite, not {value}.")
 
 
 def _item(word: str) -> Value:
@@ -104,6 +112,12 @@ class Design:
                     f"--vary {one.path}: say in how many values, {one.low:g}:{one.high:g}:N, or "
                     "take a sample with --latin N."
                 )
+        count = latin or math.prod(len(one.items) or one.count for one in axes)
+        if count > _MOST:
+            raise CurveboundError(
+                f"The sweep has {count} points, and may have {_MOST} at most: take fewer values, "
+                "or a sample with --latin N."
+            )
         self.axes = list(axes)
         self.latin = latin
         self.seed = seed

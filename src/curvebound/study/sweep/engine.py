@@ -14,7 +14,7 @@ from ...cosim.fmu import Value, nearest
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
 from ..study import identity
-from .cluster import run_on_cluster
+from .cluster import connect, run_on_cluster
 from .design import Design
 from .local import run_locally
 from .metrics import Metric
@@ -67,7 +67,13 @@ class Sweep:
         settings = tuple((changes or {}).items())
         bare = Task(which, text, settings, (), variant)
         scene = bare.scene()
-        self.metrics = [Metric(m).text for m in metrics] or _default_metrics(scene)
+        given = [Metric(m) for m in metrics]
+        for metric in given:
+            metric.require_within(scene.start_time, scene.stop_time)
+        self.metrics = [metric.text for metric in given] or _default_metrics(scene)
+        twice = [m for i, m in enumerate(self.metrics) if m in self.metrics[:i]]
+        if twice:
+            raise CurveboundError(f"The metric {twice[0]!r} is given twice; keep one of them.")
         self.task = Task(which, text, settings, tuple(self.metrics), variant)
         self.scene = self.task.scene()
         system = self.scene.check()
@@ -117,17 +123,20 @@ class Sweep:
             from ..extras import require
 
             require("sweep")
-        done = store.open(restart=restart)
+        done = store.look(restart=restart)
         missing: list[Point] = [
             (i, self.design[i]) for i in range(len(self.design)) if i not in done
         ]
         failed = 0
         finished = len(done)
+        # before a file is touched: without a cluster nothing can take the place of earlier rows
+        client = connect(scheduler) if scheduler is not None and missing else None
         try:
+            store.open()
             if progress is not None:
                 progress(finished, len(self.design), failed)
-            if missing and scheduler is not None:
-                batches = run_on_cluster(self.task, missing, scheduler)
+            if client is not None:
+                batches = run_on_cluster(self.task, missing, client)
             elif missing:
                 batches = run_locally(self.task, missing, workers or cores())
             else:
@@ -140,6 +149,8 @@ class Sweep:
                     progress(finished, len(self.design), failed)
         finally:
             store.close()
+            if client is not None:
+                client.close()
         return SweepResult(store.finish(), len(self.design), len(missing), failed)
 
 

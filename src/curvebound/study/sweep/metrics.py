@@ -55,10 +55,10 @@ class Metric:
     """An expression such as `max(abs(plant.pendulum.angle))` or `final(bead.bead.x) - 1`.
 
     Names are outputs by path, or `time`. Functions of a whole run: max, min, mean, rms, std, span
-    (largest less smallest), first, final, at(x, t) (at the time t, linear in between) and when(c)
-    (first time at which c holds, NaN if never); of each sample: abs, sqrt, exp, log, log10, sin,
-    cos, hypot, atan2. Operators + - * / ** and < <= > >=. Nothing else can be said in it: it is
-    safe to take from anywhere.
+    (largest less smallest), first, final, at(x, t) (at the time t, linear in between, NaN outside
+    the run) and when(c) (first time at which c holds, NaN if never); of each sample: abs,
+    sqrt, exp, log, log10, sin, cos, hypot, atan2. Operators + - * / ** and < <= > >=. Nothing else
+    can be said in it: it is safe to take from anywhere.
 
     paths: the outputs that it uses.
     """
@@ -70,7 +70,13 @@ class Metric:
         except SyntaxError as error:
             raise CurveboundError(f"The metric {text!r} is no expression: {error.msg}.") from None
         self.paths: list[str] = []
+        self._times: list[float] = []
         self._check(self._tree)
+        if self._is_series(self._tree):
+            raise CurveboundError(
+                f"The metric {self.text!r} gives one number for each sample: wrap it in max(...), "
+                "final(...) or another function of the whole run."
+            )
 
     def __reduce__(self) -> Any:
         return (Metric, (self.text,))
@@ -107,19 +113,36 @@ class Metric:
                 raise self._refuse(node)
             for argument in node.args:
                 self._check(argument)
+            if name == "at" and _is_constant(node.args[1]):
+                with np.errstate(all="ignore"):
+                    self._times.append(float(self._evaluate(node.args[1], None)))
         else:
             raise self._refuse(node)
 
+    def _is_series(self, node: ast.AST) -> bool:
+        """Whether a checked expression has one value per sample."""
+        if isinstance(node, ast.Name | ast.Attribute):
+            return True
+        if isinstance(node, ast.Call):
+            assert isinstance(node.func, ast.Name)
+            name = node.func.id
+            inner = node.args if name in _EACH else node.args[1:] if name == "at" else []
+            return any(self._is_series(argument) for argument in inner)
+        return any(self._is_series(part) for part in ast.iter_child_nodes(node))
+
+    def require_within(self, start: float, stop: float) -> None:
+        """CurveboundError where at(x, t) asks for a time (s) outside of a run's."""
+        for time in self._times:
+            if not _inside(time, start, stop):
+                raise CurveboundError(
+                    f"The metric {self.text!r} asks for t = {time:g} s, and the run lasts from "
+                    f"{start:g} s to {stop:g} s."
+                )
+
     def __call__(self, data: Any) -> float:
-        """The number for a run's structured array; CurveboundError where it is not one number."""
+        """The number for a run's structured array."""
         with np.errstate(all="ignore"):
-            value = np.asarray(self._evaluate(self._tree, data))
-        if value.size != 1:
-            raise CurveboundError(
-                f"The metric {self.text!r} gives {value.size} numbers, one for each sample: wrap "
-                "it in max(...), final(...) or another function of the whole run."
-            )
-        return float(value.reshape(-1)[0])
+            return float(np.asarray(self._evaluate(self._tree, data)).reshape(-1)[0])
 
     def _evaluate(self, node: ast.AST, data: Any) -> Any:
         if isinstance(node, ast.Constant):
@@ -146,9 +169,24 @@ class Metric:
         if name in _REDUCE:
             return _REDUCE[name](whole)
         if name == "at":
-            return np.interp(values[1], time, whole)
+            inside = _inside(values[1], time[0], time[-1])
+            return np.where(inside, np.interp(values[1], time, whole), math.nan)
         hits = np.flatnonzero(whole)
         return time[hits[0]] if len(hits) else math.nan
+
+
+def _inside(time: Any, start: float, stop: float) -> Any:
+    """Whether times are a run's, rounding allowed for."""
+    slack = 1e-9 * (stop - start)
+    return (np.asarray(time) >= start - slack) & (np.asarray(time) <= stop + slack)
+
+
+def _is_constant(node: ast.AST) -> bool:
+    """Whether a checked expression is the same for all runs."""
+    return not any(
+        isinstance(part, ast.Attribute) or (isinstance(part, ast.Name) and part.id not in _EACH)
+        for part in ast.walk(node)
+    )
 
 
 def _path(node: ast.AST) -> str | None:

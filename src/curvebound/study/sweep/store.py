@@ -42,33 +42,34 @@ class Store:
         self.paths = list(paths)
         self.metrics = list(metrics)
         self.header = ["point", *paths, *metrics, "message"]
+        self._kept: list[list[str]] = []
         self._file: Any = None
         self._table: Any = None
 
-    def open(self, *, restart: bool = False) -> set[int]:
-        """Begin or go on; returns the numbers of the points that are done."""
-        done: set[int] = set()
-        kept: list[list[str]] = []
+    def look(self, *, restart: bool = False) -> set[int]:
+        """Numbers of the points that are done (none on a restart); nothing is changed yet."""
+        self._kept = []
         if restart:
-            self.stream.unlink(missing_ok=True)
-        elif self.stream.is_file():
+            return set()
+        if self.stream.is_file():
             if self._noted() != self.identity:
                 raise CurveboundError(
                     f"{self.stream} is there and not of this sweep: choose another --out, or "
                     "--restart to overwrite it."
                 )
-            kept = self._whole_rows()
-            done = {int(row[0]) for row in kept}
+            self._kept = self._whole_rows()
         elif self.parquet and self.out.is_file() and self._noted() == self.identity:
             raise CurveboundError(f"{self.out} is complete; --restart makes it anew.")
-        self.stream.parent.mkdir(parents=True, exist_ok=True)
+        return {int(row[0]) for row in self._kept}
+
+    def open(self) -> None:
+        """Begin or go on with the rows that `look` found."""
         # rewritten: a process that was killed may have left half a row
-        write_whole(self.stream, lambda path: _write(path, [self.header, *kept]))
+        write_whole(self.stream, lambda path: _write(path, [self.header, *self._kept]))
         note = json.dumps({"identity": self.identity}) + "\n"
         write_whole(self.note, lambda path: path.write_text(note, encoding="utf-8"))
         self._file = self.stream.open("a", newline="", encoding="utf-8")
         self._table = csv.writer(self._file, lineterminator="\n")
-        return done
 
     def _noted(self) -> str:
         with suppress(OSError, ValueError, KeyError):
