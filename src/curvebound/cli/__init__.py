@@ -80,8 +80,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status: int = options.run(options)
     except CurveboundError as error:
         return _report(str(error), options.debug)
-    except KeyboardInterrupt:
-        return _report("stopped by the keyboard; what was finished is kept", options.debug)
+    except KeyboardInterrupt as stop:  # a command that keeps something says so
+        return _report(str(stop) or "stopped by the keyboard", options.debug)
     except BrokenPipeError:
         # The reader (head, a pager) has gone; there is nobody left to tell.
         sys.stderr.close()

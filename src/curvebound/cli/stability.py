@@ -103,12 +103,17 @@ def run(options: argparse.Namespace) -> int:
     if options.documentation:
         require_writable(options.documentation, folder=True)
     good = True
-    if with_maps:
-        good = _maps(options, requests, units)
-    if options.sample is not None:
-        good = _sample(options) and good
-    if options.long:
-        good = _long(options) and good
+    try:
+        if with_maps:
+            good = _maps(options, requests, units)
+        if options.sample is not None:
+            good = _sample(options) and good
+        if options.long:
+            good = _long(options) and good
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            "stopped by the keyboard; files named above are whole, nothing else is kept"
+        ) from None
     return 0 if good else 1
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -17,6 +15,7 @@ from ...errors import CurveboundError
 from ..sweep.design import Axis, axis
 from .probe import Probe
 from .stability_map import METHODS, Column, StabilityMap, map_column, sizes_of
+from .workers import without_interrupts, workers
 
 __all__ = ["Request", "make_maps", "refuse_ignored", "steps_from", "values_of"]
 
@@ -172,11 +171,9 @@ def make_maps(
     done = 0
     with ExitStack() as stack:
         if jobs > 1:
-            # spawned, not forked: a forked interpreter shares the state of libraries with threads
-            context = multiprocessing.get_context("spawn")
-            pool = stack.enter_context(ProcessPoolExecutor(jobs, context))
-            stack.callback(pool.shutdown, cancel_futures=True)
-            futures = [pool.submit(_make, *task) for task in tasks]
+            pool = stack.enter_context(workers(jobs))
+            with without_interrupts():
+                futures = [pool.submit(_make, *task) for task in tasks]
             results: Iterator[list[Column]] = (future.result() for future in futures)
         else:
             stack.callback(_columns.close)

@@ -8,10 +8,8 @@ word about it.
 from __future__ import annotations
 
 import math
-import multiprocessing
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,6 +24,7 @@ from ...errors import CurveboundError
 from ..equations import Array
 from .characteristic import Exact, exact
 from .ranges import SYSTEMS, Point, draw
+from .workers import without_interrupts, workers
 
 __all__ = ["ALLOWED", "PARTS", "Outcome", "Settings", "judge", "run_sample"]
 
@@ -220,8 +219,9 @@ def _parts(settings: Settings, points: Sequence[Point], jobs: int) -> Iterator[l
     chunks = [points[i : i + size] for i in range(0, len(points), size)]
     while chunks:
         lost: list[Sequence[Point]] = []
-        with _pool(settings, jobs) as pool:
-            futures: list[Any] = [pool.submit(_judged, chunk) for chunk in chunks]
+        with workers(jobs, _begin, (settings,)) as pool:
+            with without_interrupts():
+                futures: list[Any] = [pool.submit(_judged, chunk) for chunk in chunks]
             for chunk, future in zip(chunks, futures, strict=True):
                 try:
                     yield future.result()
@@ -231,15 +231,11 @@ def _parts(settings: Settings, points: Sequence[Point], jobs: int) -> Iterator[l
             return
         # one of the lost points ends its process: find it in the first chunk, alone
         for point in lost[0]:
-            with _pool(settings, 1) as pool:
+            with workers(1, _begin, (settings,)) as pool:
+                with without_interrupts():
+                    future = pool.submit(_judged, [point])
                 try:
-                    yield pool.submit(_judged, [point]).result()
+                    yield future.result()
                 except BrokenProcessPool:
                     yield [Outcome(point, "crashed", message="the FMU ended its process")]
         chunks = lost[1:]
-
-
-def _pool(settings: Settings, jobs: int) -> ProcessPoolExecutor:
-    # spawned, not forked: a forked interpreter shares the state of libraries that have threads
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(jobs, context, _begin, (settings,))
