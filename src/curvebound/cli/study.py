@@ -12,6 +12,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from .numbers import positive
+
 NAME = "study"
 HELP = "measure error and cost of every setting of a scene"
 
@@ -36,7 +38,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="judge by this output (default: those that the scene needs); may be repeated",
     )
     parser.add_argument(
-        "--limit", type=float, default=2.0, metavar="S", help="CPU seconds of one run (default: 2)"
+        "--limit",
+        type=positive,
+        default=2.0,
+        metavar="S",
+        help="CPU seconds of one run (default: 2)",
     )
     parser.add_argument("--no-plots", action="store_true", help="tables and page only")
     parser.add_argument("--restart", action="store_true", help="forget an interrupted study")
@@ -47,6 +53,7 @@ def run(options: argparse.Namespace) -> int:
     from rich.console import Console
 
     from ..cosim import load_scene, scene_names
+    from ..files import require_writable
     from ..study.extras import require
     from ..study.report import write_overview, write_study
     from ..study.study import Study
@@ -60,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
         scene = load_scene(name)
         study = Study.of(scene, quick=options.quick, limit=options.limit, outputs=options.output)
         folder = options.out / scene.name
+        require_writable(folder, folder=True)
         journal = folder / "study.jsonl"
         if options.restart:
             journal.unlink(missing_ok=True)

@@ -13,6 +13,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from .numbers import whole
+
 NAME = "sweep"
 HELP = "run a scene over a range of parameters"
 
@@ -34,8 +36,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="a parameter and its values: LOW:HIGH:N, LOW:HIGH:N:log or a,b,c; may be repeated",
     )
-    parser.add_argument("--latin", type=int, default=0, metavar="N", help="N points of a sample")
-    parser.add_argument("--seed", type=int, default=0, help="of the sample (default: 0)")
+    parser.add_argument(
+        "--latin", type=whole(1), default=0, metavar="N", help="N points of a sample"
+    )
+    parser.add_argument("--seed", type=whole(0), default=0, help="of the sample (default: 0)")
     parser.add_argument(
         "--metric",
         metavar="EXPR",
@@ -55,7 +59,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help=".csv or .parquet (default: build/sweep/SCENE.csv)"
     )
-    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
+    parser.add_argument(
+        "--workers", type=whole(1), metavar="N", help="processes (default: all cores)"
+    )
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster")
     parser.add_argument("--restart", action="store_true", help="forget what an earlier run did")
     parser.add_argument(
@@ -78,8 +84,6 @@ def run(options: argparse.Namespace) -> int:
     from ..study.extras import require
     from ..study.sweep import Design, Sweep, axis
 
-    if options.latin < 0 or (options.workers is not None and options.workers < 1):
-        raise CurveboundError("--latin and --workers take numbers of 1 or more.")
     if options.map:
         require("plots")
     design = Design([axis(text) for text in options.vary], options.latin, options.seed)

@@ -10,11 +10,16 @@ examples:
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
+from .numbers import positive, whole
+
 NAME = "tune"
 HELP = "choose the cheapest setting that meets a scene's needs"
+
+_STARTS = 20
 
 
 def _bound(text: str) -> tuple[str, float]:
@@ -23,9 +28,9 @@ def _bound(text: str) -> tuple[str, float]:
         value = float(number)
     except ValueError:
         value = 0.0
-    if not value > 0.0 or (equals and not path):
+    if not 0.0 < value < math.inf or (equals and not path):
         raise argparse.ArgumentTypeError(
-            f"{text!r} is neither a bound above zero nor component.variable=bound"
+            f"{text!r} is neither a finite bound above zero nor component.variable=bound"
         )
     return path, value
 
@@ -50,8 +55,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="largest error, of one output or of all (default: what the scene needs)",
     )
-    parser.add_argument("--budget", type=float, metavar="S", help="CPU seconds per simulated one")
-    parser.add_argument("--frame-rate", type=float, metavar="HZ", help="pictures per second")
+    parser.add_argument(
+        "--budget", type=positive, metavar="S", help="CPU seconds per simulated one"
+    )
+    parser.add_argument("--frame-rate", type=positive, metavar="HZ", help="pictures per second")
     parser.add_argument(
         "--keep",
         metavar="PATH=ITEM",
@@ -66,7 +73,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="judge control and inputs as acting all the time, not held over the macro step",
     )
     parser.add_argument(
-        "--limit", type=float, default=5.0, metavar="S", help="CPU seconds of one run (default: 5)"
+        "--limit",
+        type=positive,
+        default=5.0,
+        metavar="S",
+        help="CPU seconds of one run (default: 5)",
     )
     parser.add_argument("--write", action="store_true", help="put the choice into the script")
     parser.add_argument(
@@ -75,15 +86,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="check the promises: fresh starts, and the cost against the whole grid",
     )
     parser.add_argument(
-        "--starts", type=int, default=20, metavar="N", help="with --verify: fresh starts"
+        "--starts",
+        type=whole(1),
+        metavar="N",
+        help=f"with --verify: fresh starts (default: {_STARTS})",
     )
     parser.add_argument(
         "--out", type=Path, metavar="FILE.json", help="with --verify: write the cases"
     )
+    parser.set_defaults(wrong=parser.error)
 
 
 def run(options: argparse.Namespace) -> int:
     """Tune and print; exit status 1 where nothing fits."""
+    if not options.verify and (options.starts is not None or options.out is not None):
+        options.wrong("--starts and --out are for --verify: add it, or leave them out")
+
     from rich.console import Console
 
     from ..cosim import scene_names
@@ -205,16 +223,23 @@ def _setting(candidate: Any) -> str:
 def _verify(options: argparse.Namespace, names: list[str], console: Any) -> int:
     from rich.table import Table
 
+    from ..files import require_writable
     from ..study.files import write_json
     from ..study.verify import BOUNDS, MOST, SHARE, verify_scene
 
+    if options.out is not None:
+        require_writable(options.out)
     cases = []
     bounds = [bound for _, bound in options.error] or list(BOUNDS)
     failed: list[str] = []
     with console.status("") as status:
         for name in names:
             found = verify_scene(
-                name, bounds, fresh=options.starts, limit=options.limit, progress=status.update
+                name,
+                bounds,
+                fresh=options.starts or _STARTS,
+                limit=options.limit,
+                progress=status.update,
             )
             cases += found
             if options.out is not None:

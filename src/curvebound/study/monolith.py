@@ -273,9 +273,14 @@ class Monolith:
                     value = found[variable]
                 result[path] = np.broadcast_to(value, (len(times), self.members))
         except KeyError as error:
+            known = [
+                f"{part.name}.{variable}"
+                for part in self.parts.values()
+                for variable in system_of(self.system.nodes[part.name].fmu.model_name).main
+            ]
             raise CurveboundError(
                 f"There is no reference for the output {path}: the equations do not define it. "
-                "Choose others with --output."
+                f"They define, among others, {', '.join(known)}."
             ) from error
         finally:
             self.held = kept

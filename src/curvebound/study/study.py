@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
+from ..files import write_whole
 from .amplitudes import amplitude_rows
 from .grid import Family, grid, is_sampled
 from .runner import Outcome, Runner
@@ -242,8 +243,8 @@ class Study:
                         row = json.loads(line)
                         rows[row["key"]] = row
         if not rows:
-            journal.parent.mkdir(parents=True, exist_ok=True)
-            journal.write_text(json.dumps({"identity": word}) + "\n", encoding="utf-8")
+            first = json.dumps({"identity": word}) + "\n"
+            write_whole(journal, lambda path: path.write_text(first, encoding="utf-8"))
         return rows
 
 

@@ -112,7 +112,9 @@ class Tuner:
         self.limit = limit
         self.span = scene.stop_time - scene.start_time
         self.sampled = is_sampled(scene, self.space)
-        rate = frame_rate or scene.needs.frame_rate
+        rate = scene.needs.frame_rate if frame_rate is None else frame_rate
+        if rate is not None and not 0.0 < rate < math.inf:
+            raise CurveboundError(f"The frame rate is {rate} Hz; give a finite one above zero.")
         self.step = self._macro_step(rate)
         self.starts = surrounding(self.system, spread, starts)
         self.members = 1 + starts if self.starts else 1
@@ -275,6 +277,8 @@ class Tuner:
         missing = [path for path in self.paths if not bounds.get(path, 0.0) > 0.0]
         if missing:
             raise CurveboundError(f"Give an error bound above zero for {', '.join(missing)}.")
+        if budget is not None and not 0.0 < budget < math.inf:
+            raise CurveboundError(f"The budget is {budget} s; give a finite one above zero.")
         _ = self.truths.reference
         tried: list[Candidate] = []
         macro = self._macro(bounds, tried, tell)

@@ -1,0 +1,63 @@
+"""Wrong usage of study, tune and sweep: said in a line, before anything is run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from curvebound.cli import main
+
+pytest.importorskip("mpmath")
+TUNE = ["tune", "bead_on_wire"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        *([*TUNE, "--budget", text] for text in ("0", "-1", "nan")),
+        *([*TUNE, "--frame-rate", text] for text in ("0", "-5", "inf")),
+        *([*TUNE, "--limit", text] for text in ("0", "-1", "nan")),
+        *([*TUNE, "--verify", "--starts", text] for text in ("0", "-1")),
+        [*TUNE, "--starts", "3"],
+        [*TUNE, "--out", "cases.json"],
+        ["study", "bead_on_wire", "--limit", "-1"],
+        ["sweep", "bead_on_wire", "--seed", "-1"],
+        [*TUNE, "--error", "inf"],
+    ],
+    ids=" ".join,
+)
+def test_a_number_or_option_without_sense_is_wrong_usage(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(words)
+    assert caught.value.code == 2
+    assert f"argument {words[-2]}" in (err := capsys.readouterr().err) or "--verify" in err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["study", "bead_on_wire", "--quick", "--no-plots", "--out", "{}"],
+        ["tune", "bead_on_wire", "--verify", "--out", "{}/cases.json"],
+        ["sweep", "bead_on_wire", "--vary", "bead.bead.damping=0:1:2", "--out", "{}/x.csv"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_folder_that_is_a_file_is_named(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "file"
+    file.write_text("")
+    assert main([word.format(file) for word in words]) == 1
+    err = " ".join(capsys.readouterr().err.split())
+    assert "cannot be written" in err
+    assert "Traceback" not in err
+
+
+def test_an_output_that_nothing_defines_names_others(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*TUNE, "--error", "foo.bar=1e-3"]) == 1
+    err = " ".join(capsys.readouterr().err.split())
+    assert "bead.bead.x" in err
+    assert "--output" not in err
