@@ -173,3 +173,20 @@ def test_a_study_resumes_and_finds_the_order(
     assert order_of(second.rows, "angle", "rk4") == pytest.approx(4.0, abs=0.2)
     sizes = sum(len(f.settings) for f in grid(scene, second.space, quick=True))
     assert len(second.rows) <= sizes
+
+
+def test_rows_at_smaller_starts_are_kept_as_well(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("curvebound.study.study.grid", lambda *_, **__: [])
+    scene = load_scene("pendulum_small")
+    scene.stop_time = 0.2
+    journal = tmp_path / "study.jsonl"
+    first, second = (Study.of(scene, quick=True) for _ in range(2))
+    first.run(journal)
+    assert first.rows
+    assert {row["purpose"] for row in first.rows} == {"amplitude"}
+    monkeypatch.setattr("curvebound.study.runner.Runner.run", None)  # nothing is measured again
+    second.run(journal)
+    assert second.rows == first.rows
+    assert len(journal.read_text().splitlines()) == 1 + len(first.rows)

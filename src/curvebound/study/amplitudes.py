@@ -6,6 +6,7 @@ it shows only over motions of many sizes.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,18 +30,17 @@ FACTORS = (0.01, 0.03, 0.1, 0.3)
 _TOLERANCE = 1e-11  # of `adaptive`: what is left is the model's error
 
 
-def amplitude_rows(study: Study, runner: Runner) -> list[Row]:
-    """Rows with purpose `amplitude`, one per simpler model and factor.
+def amplitude_rows(study: Study, runner: Runner, known: Mapping[str, Row]) -> Iterator[Row]:
+    """Rows with purpose `amplitude`, one per simpler model and factor; from `known` by their key.
 
-    None where the scene has no simpler model, begins at rest, or is held away from it by feedback.
+    Empty where the scene has no simpler model, begins at rest, or is held away from it by feedback.
     """
     start = _motion(study.system)
     if not start or not any(study.space.approximate):
-        return []
+        return
     factors = np.array(FACTORS)
     changes = {path: value * factors for path, value in start.items()}
     truths = Truths(study.system, study.space, study.paths, changes=changes)
-    rows = []
     for structure, simpler in zip(study.space.structures, study.space.approximate, strict=True):
         if not simpler:
             continue
@@ -48,6 +48,10 @@ def amplitude_rows(study: Study, runner: Runner) -> list[Row]:
             structure, "adaptive", _TOLERANCE, study.scene.step, study.scene.algorithm
         )
         for member, factor in enumerate(FACTORS):
+            key = f"amplitude|{setting.key}|{factor!r}"
+            if key in known:
+                yield known[key]
+                continue
             smaller = {path: value * factor for path, value in start.items()}
             outcome = runner.run(setting, smaller)
             if outcome.failure or len(outcome.times) < 2:
@@ -55,19 +59,17 @@ def amplitude_rows(study: Study, runner: Runner) -> list[Row]:
             verdicts = truths.errors(outcome.times, outcome.outputs, member=member)
             exact = truths.values(study.space.truth, outcome.times)
             error = max(v.worst for v in verdicts.values())
-            rows.append(
-                {
-                    "purpose": "amplitude", "form": setting.form, "method": setting.method,
-                    "size_is": "tolerance", "size": setting.size, "macro_step": setting.step,
-                    "algorithm": setting.algorithm, "cpu": outcome.cpu, "factor": factor,
-                    "acceleration_error": outcome.measures.get("model.acceleration_error"),
-                    "amplitude": max(float(np.ptp(exact[p][:, member])) for p in study.paths),
-                    "error": error, "numerical": 0.0, "modelling": error, "failure": "",
-                    "judged": all(v.judged for v in verdicts.values()),
-                    "judged_until": min(v.until for v in verdicts.values()),
-                }
-            )  # fmt: skip
-    return rows
+            yield {
+                "purpose": "amplitude", "form": setting.form, "method": setting.method,
+                "size_is": "tolerance", "size": setting.size, "macro_step": setting.step,
+                "algorithm": setting.algorithm, "cpu": outcome.cpu, "factor": factor,
+                "acceleration_error": outcome.measures.get("model.acceleration_error"),
+                "amplitude": max(float(np.ptp(exact[p][:, member])) for p in study.paths),
+                "error": error, "numerical": 0.0, "modelling": error, "failure": "",
+                "judged": all(v.judged for v in verdicts.values()),
+                "judged_until": min(v.until for v in verdicts.values()),
+                "key": key,
+            }  # fmt: skip
 
 
 def _motion(system: System) -> dict[str, float]:

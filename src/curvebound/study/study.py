@@ -139,7 +139,10 @@ class Study:
                 done = done_before + len(family.settings)
             if progress is not None:
                 progress(done, count, "smaller motions")
-            self.rows += amplitude_rows(self, runner)
+            for row in amplitude_rows(self, runner, known):
+                if row["key"] not in known:
+                    _append(journal, row)
+                self.rows.append(row)
         for structure, simpler in zip(self.space.structures, self.space.approximate, strict=True):
             if simpler:
                 model = self.space.model(Setting(structure, "", None, 1.0, ""))
