@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ CASES = {
 
 
 @pytest.fixture(scope="module")
-def pendulum() -> Prepared:
+def pendulum() -> Iterator[Prepared]:
     scene = Scene("violent", stop_time=10.0, step=0.1)
     scene.add("plant", "ParabolaPendulum", {})
     scene.record(
@@ -35,7 +37,8 @@ def pendulum() -> Prepared:
             )
         )
     )
-    return scene.prepare()
+    with scene.prepare() as prepared:
+        yield prepared
 
 
 def run(prepared: Prepared, **values: object) -> np.ndarray:
