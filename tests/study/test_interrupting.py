@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -26,20 +27,46 @@ scene.add("bead", "BeadOnWire", {})
 scene.record("bead.bead.*")
 """
 
+#: a worker stops here after some points, where ENDLESS is set: the sweep cannot be done too early
+SHAKEN = """
+import multiprocessing, os, time
+from curvebound.cosim import Scene
+calls = 0
+def still(t):
+    global calls
+    calls += 1
+    if calls > 3000 and "ENDLESS" in os.environ and multiprocessing.parent_process() is not None:
+        time.sleep(1000.0)
+    return 0.0
+scene = Scene("shaken", "a bead", stop_time=0.5, step=0.01)
+scene.add("bead", "BeadOnWire", {})
+scene.input("bead.wire.ay", still)
+scene.record("bead.bead.*")
+"""
+POINTS = 400
+
 
 def interrupted(words: list[str], journal: Path, lines: int) -> subprocess.CompletedProcess[str]:
     """Run `curvebound words`, and interrupt its whole group once `journal` has so many lines."""
     process = subprocess.Popen(
         [sys.executable, "-m", "curvebound", *words],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        env={**os.environ, "ENDLESS": "1"},
     )  # fmt: skip
-    give_up = time.monotonic() + 240.0
-    while process.poll() is None and time.monotonic() < give_up:
-        if journal.is_file() and journal.read_text().count("\n") >= lines:
-            os.killpg(process.pid, signal.SIGINT)  # the group that this test started
-            break
-        time.sleep(0.02)
-    out, err = process.communicate(timeout=120)
+    try:
+        give_up = time.monotonic() + 240.0
+        while process.poll() is None and time.monotonic() < give_up:
+            if journal.is_file() and journal.read_text().count("\n") >= lines:
+                os.killpg(process.pid, signal.SIGINT)  # the group that this test started
+                break
+            time.sleep(0.02)
+        else:
+            pytest.fail(f"{words[0]} was not interrupted: exit status {process.poll()}")
+        out, err = process.communicate(timeout=120)
+    finally:
+        with suppress(ProcessLookupError):  # all of it has ended
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(timeout=30)
     return subprocess.CompletedProcess(words, process.returncode, out, err)
 
 
@@ -67,18 +94,20 @@ def test_a_study_that_is_stopped_keeps_its_rows_and_goes_on(tmp_path: Path) -> N
 
 def test_a_sweep_that_is_stopped_loses_and_doubles_no_point(tmp_path: Path) -> None:
     out = tmp_path / "a.csv"
-    words = ["sweep", "bead_on_wire", "--vary", "bead.bead.damping=0:1:600",
+    scene = tmp_path / "shaken.py"
+    scene.write_text(SHAKEN)
+    words = ["sweep", str(scene), "--vary", f"bead.bead.damping=0:1:{POINTS}",
              "--metric", "final(bead.bead.y)", "--workers", "2", "--out", str(out)]  # fmt: skip
-    stopped = interrupted(words, out, lines=20)
+    stopped = interrupted(words, out, lines=2)
     assert stopped.returncode == 1, stopped.stderr
     assert "the same command goes on" in stopped.stdout
     assert "Traceback" not in stopped.stderr
     done = len(out.read_text().splitlines()) - 1
-    assert 0 < done < 600
+    assert 0 < done < POINTS
     again = subprocess.run(
         [sys.executable, "-m", "curvebound", *words], capture_output=True, text=True, timeout=300
     )
     assert again.returncode == 0, again.stderr
     assert f"{done} of them from an earlier run" in again.stdout
     with out.open(newline="") as file:
-        assert [row[0] for row in csv.reader(file)][1:] == [str(i) for i in range(600)]
+        assert [row[0] for row in csv.reader(file)][1:] == [str(i) for i in range(POINTS)]
