@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
@@ -32,8 +33,17 @@ def counts(few: int, many: int) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("count", [few, pytest.param(many, marks=pytest.mark.slow)])
 
 
-def holds(count: int, check: Callable[..., None], *given_: st.SearchStrategy[Any]) -> None:
-    """Check a property at `count` examples, the same in every run."""
+def holds(
+    count: int,
+    check: Callable[..., None],
+    *given_: st.SearchStrategy[Any],
+    refused: float = 1.0,
+) -> None:
+    """Check a property at `count` examples, the same in every run.
+
+    refused: largest share of the calls of `run_or_none` that may give none.
+    """
+    _tries.clear()
     quiet = settings(
         max_examples=count,
         derandomize=True,
@@ -42,6 +52,11 @@ def holds(count: int, check: Callable[..., None], *given_: st.SearchStrategy[Any
         suppress_health_check=list(HealthCheck),
     )
     quiet(given(*given_)(check))()
+    assert _tries[False] <= refused * _tries.total(), _tries
+
+
+#: how many calls of `run_or_none` gave something, and how many nothing
+_tries: Counter[bool] = Counter()
 
 
 @lru_cache
@@ -84,9 +99,11 @@ def run_or_none(
     system: str, values: Values, step: float, count: int
 ) -> dict[str, np.ndarray] | None:
     try:
-        return run(system, values, step, count)
+        found = run(system, values, step, count)
     except RunFailed:
-        return None
+        found = None
+    _tries[found is not None] += 1
+    return found
 
 
 def _plain(values: Values) -> Values:
