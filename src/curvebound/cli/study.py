@@ -12,6 +12,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from .bar import progress_bar
 from .numbers import positive
 
 NAME = "study"
@@ -72,11 +73,11 @@ def run(options: argparse.Namespace) -> int:
         if options.restart:
             journal.unlink(missing_ok=True)
         interrupted = False
-        with _bar(console) as bar:
-            task = bar.add_task(scene.name, total=None, label="")
+        with progress_bar(console) as bar:
+            task = bar.add_task(scene.name, total=None, note="")
 
             def tell(done: int, count: int, label: str, bar: Any = bar, task: Any = task) -> None:
-                bar.update(task, completed=done, total=count, label=label)
+                bar.update(task, completed=done, total=count, note=label)
 
             try:
                 study.run(journal, tell)
@@ -98,27 +99,6 @@ def run(options: argparse.Namespace) -> int:
             console.print(f"- {text}", soft_wrap=not console.is_terminal)
         console.print(str(page), soft_wrap=True)
     return 0
-
-
-def _bar(console: Any) -> Any:
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=24),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[label]}"),
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-    )
 
 
 def _print(console: Any, study: Any, page: Path) -> None:

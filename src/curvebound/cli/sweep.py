@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from .bar import progress_bar
 from .numbers import whole
 
 NAME = "sweep"
@@ -72,13 +73,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Sweep; a failed point is a row with its message, and no failure of the sweep."""
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
 
     from ..errors import CurveboundError
     from ..study.extras import require
@@ -94,11 +88,7 @@ def run(options: argparse.Namespace) -> int:
     if options.map and out.suffix != ".csv":
         raise CurveboundError("--map draws from a CSV: give an --out that ends in .csv.")
     console = Console(highlight=False)
-    with Progress(
-        TextColumn("{task.description}"), BarColumn(bar_width=24), MofNCompleteColumn(),
-        TimeRemainingColumn(), TextColumn("{task.fields[note]}"),
-        console=console, transient=True, disable=not console.is_terminal,
-    ) as bar:  # fmt: skip
+    with progress_bar(console) as bar:
         task = bar.add_task(sweep.scene.name, total=len(design), note="")
 
         def tell(done: int, count: int, failed: int) -> None:

@@ -13,7 +13,7 @@ from .front import pareto, usable
 from .teach import crossings, lessons
 from .trust import MEASURES, Trust
 
-__all__ = ["overview_page", "study_page"]
+__all__ = ["document", "overview_page", "study_page"]
 
 Row = dict[str, Any]
 
@@ -44,7 +44,8 @@ li { margin: .2rem 0; max-width: 85ch; }
 """
 
 
-def _document(title: str, body: str, footer: str) -> str:
+def document(title: str, body: str, footer: str) -> str:
+    """A whole HTML page that needs nothing from elsewhere."""
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -181,7 +182,7 @@ def study_page(
         '<p>All rows: <a href="study.csv">study.csv</a>, <a href="study.json">study.json</a>.</p>'
         "</main>"
     )
-    text = _document(f"{name}: a study", "\n".join(parts), footer)
+    text = document(f"{name}: a study", "\n".join(parts), footer)
     return write_whole(out, lambda path: path.write_text(text, encoding="utf-8"))
 
 
@@ -268,5 +269,5 @@ def overview_page(
     parts.append(_trust_table(statements))
     parts.append(_figure(out.parent / "trust.svg", "true error over live measures, all scenes"))
     parts.append("</main>")
-    text = _document("Studies", "\n".join(parts), footer)
+    text = document("Studies", "\n".join(parts), footer)
     return write_whole(out, lambda path: path.write_text(text, encoding="utf-8"))

@@ -10,7 +10,7 @@ from typing import Any
 
 from ...files import write_whole
 from ..files import write_rows
-from ..page import _document
+from ..page import document
 from .maps import Request
 from .pictures import draw
 from .probe import FAILED, UNKNOWN
@@ -70,7 +70,7 @@ def write_map(
         "coordinates linearised at rest, and along the exact motion at its worst moment.</p>"
         f"{picture}<h2>Largest steps</h2>{_table(maps)}{_failures(maps)}</main>"
     )
-    page = _document(title, body, "Made by curvebound stability.")
+    page = document(title, body, "Made by curvebound stability.")
     return write_whole(folder / f"{stem}.html", lambda out: out.write_text(page, encoding="utf-8"))
 
 
@@ -81,7 +81,7 @@ def write_index(pages: Sequence[tuple[str, Path]], folder: Path) -> Path:
         for title, page in pages
     )
     body = f"<main><h1>Stability maps</h1><ul>{items}</ul></main>"
-    text = _document("Stability maps", body, "Made by curvebound stability --all.")
+    text = document("Stability maps", body, "Made by curvebound stability --all.")
     return write_whole(folder / "index.html", lambda out: out.write_text(text, encoding="utf-8"))
 
 
