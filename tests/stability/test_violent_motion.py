@@ -78,3 +78,31 @@ def test_tame_motion_keeps_the_step_that_was_chosen(pendulum: Prepared) -> None:
     result = run(pendulum, **{"solver.method": "implicit", "solver.step": 0.05})
     assert result["plant.solver.steps"][-1] == 200
     assert 1e-8 < imbalance(result) < 1e-2
+
+
+def test_implicit_takes_no_solution_far_off():
+    """On a nearly flat parabola that runs away from it; the kinetic energy came to 5e13 J."""
+    scene = Scene("runaway", stop_time=1.3591409, step=0.27182818)
+    scene.add(
+        "plant",
+        "ParabolaPendulum",
+        {
+            "gravity.x": -1.0,
+            "gravity.y": -2.718281828459045,
+            "parabola.coefficient_start": -0.0024787521766663585,
+            "slider.u_start": -1.0,
+            "slider.u_rate_start": -29.22392466744349,
+            "pendulum.angular_velocity_start": -0.36787944117144233,
+            "parabola.ax": 403.4287934927351,
+            "parabola.ay": 3.4903429574618414,
+            "slider.fx": -1.0,
+            "slider.fy": -1.0,
+            "pendulum.fx": -1.0,
+            "solver.method": "implicit",
+            "solver.step": 0.0543656365691809,
+        },
+    )
+    scene.record("plant.energy.residual", "plant.energy.kinetic")
+    result = scene.run()
+    assert result["plant.energy.kinetic"][-1] < 3e5
+    assert abs(result["plant.energy.residual"]).max() < 0.01 * result["plant.energy.kinetic"][-1]

@@ -12,9 +12,9 @@ c = 1/2 -+ s
 and K_i = acceleration(t + c_i h, Q_i, V_i) is solved by Newton's method with the model's Jacobian
 at both stages, to rounding level.
 
-A step that resolves nothing has solutions far off beside the right one. Where the model says that
-violent motion can come, steps that break the balance of energy are therefore halved, like those at
-which the iteration fails. Of tame motion on too large steps energy.residual tells.
+A step that resolves nothing has solutions far off beside the right one. Steps that break the
+balance of energy grossly (or at all, where the model says that violent motion can come) are
+therefore halved, like those at which the iteration fails. Of what is less energy.residual tells.
 """
 
 from __future__ import annotations
@@ -54,6 +54,8 @@ STIFF: Final = 1.0
 #: relative to the energies at stake
 VIOLENT: Final = 10.0
 IMBALANCE: Final = 1e-9
+#: and that of any other motion, of which energy.residual tells the rest
+FAR_OFF: Final = 0.5
 #: a step is halved at most this often (to 1e-12 of itself)
 DEEPEST: Final = 40
 
@@ -125,12 +127,9 @@ class Implicit(Method):
 
     def holds(self, model: Model, t: float, h: float) -> bool:
         """Take one step that converges and keeps the balance of energy; False: as before."""
-        if model.magnification <= VIOLENT:
-            return (self.last > 0.0 and self.attempt(model, t, h, True)) or self.attempt(
-                model, t, h, False
-            )
-        # Motion that can become violent at once: no fixed step is right for it. The equations of
-        # too large a step have other solutions too, far off, that the iteration finds.
+        # The equations of too large a step have other solutions too, far off, that the iteration
+        # finds. For motion that can become violent at once no fixed step is right.
+        allowed = IMBALANCE if model.magnification > VIOLENT else FAR_OFF
         q0, q1, v0, v1, work = model.q0, model.q1, model.v0, model.v1, model.work
         k10, k11, k20, k21, last = self.k10, self.k11, self.k20, self.k21, self.last
         before, size = model.balance(t)
@@ -139,7 +138,7 @@ class Implicit(Method):
                 continue
             if self.attempt(model, t, h, extrapolate):
                 after, other = model.balance(t + h)
-                if math.fabs(after - before) <= IMBALANCE * max(size, other):
+                if math.fabs(after - before) <= allowed * max(size, other):
                     return True
                 model.q0, model.q1, model.v0, model.v1, model.work = q0, q1, v0, v1, work
                 self.k10, self.k11, self.k20, self.k21, self.last = k10, k11, k20, k21, last

@@ -95,7 +95,7 @@ class Model:
     def balance(self, t: float) -> tuple[float, float]:
         """Energy less `work` (J) t s after the communication point, and the size of its parts.
 
-        Constant for the exact motion; only where `magnification` is above 1.
+        Constant for the exact motion. A model without one is never held to it.
         """
         return 0.0, 1.0
 
