@@ -55,7 +55,7 @@ STIFF: Final = 1.0
 VIOLENT: Final = 10.0
 IMBALANCE: Final = 1e-9
 #: and that of any other motion, of which energy.residual tells the rest
-FAR_OFF: Final = 0.5
+FAR_OFF: Final = 0.1
 #: a step is halved at most this often (to 1e-12 of itself)
 DEEPEST: Final = 40
 
