@@ -106,3 +106,12 @@ def test_implicit_takes_no_solution_far_off():
     result = scene.run()
     assert result["plant.energy.kinetic"].max() < 1e6
     assert abs(result["plant.energy.residual"]).max() < 0.5 * result["plant.energy.kinetic"].max()
+
+
+def test_implicit_halves_no_step_of_linear_motion():
+    scene = Scene("linear", stop_time=1.0, step=0.1)
+    start = {"pendulum.mass": 1e3, "slider.u_start": 0.5, "pendulum.angle_start": 1.0}
+    settings = {"model.fidelity": "linear", "solver.method": "implicit", "solver.step": 1e-3}
+    scene.add("plant", "ParabolaPendulum", {**start, **settings})
+    scene.record("plant.solver.steps")
+    assert scene.run()["plant.solver.steps"][-1] == 1000

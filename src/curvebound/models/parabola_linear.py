@@ -185,6 +185,10 @@ class ParabolaLinear(ParabolaNonlinear):
             [0.0, 0.0, half_1u, half_1th, 0.0],
         ]
 
+    def balance(self, t: float) -> tuple[float, float]:
+        # linear equations have one solution, and not all of their energy is the nonlinear one's
+        return 0.0, 1.0
+
     def energies(self) -> tuple[float, float]:
         u = self.q0
         th = self.q1
