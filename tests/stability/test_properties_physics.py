@@ -16,8 +16,14 @@ EPSILON = float(np.finfo(float).eps)
 
 
 def small_steps(system: str, values: Any, method: str) -> tuple[Any, float]:
-    """Twenty communication steps' size, and what resolves the fastest motion at the start."""
-    step = 0.1 / rate(system, values)
+    """A communication step, and what resolves the fastest motion at the start.
+
+    For `implicit` also what damping does: `adaptive` sees to that itself.
+    """
+    fastest = rate(system, values)
+    if method == "implicit":
+        fastest = max(fastest, damping_rate(system, values))
+    step = 0.1 / fastest
     return {
         **values,
         "solver.method": method,
@@ -25,6 +31,15 @@ def small_steps(system: str, values: Any, method: str) -> tuple[Any, float]:
         "solver.tolerance": 1e-9,
         "solver.max_steps": 20_000,
     }, step
+
+
+def damping_rate(system: str, values: Any) -> float:
+    """At least the fastest rate (1/s) at which damping slows anything."""
+    if system == "bead":
+        return values["bead.damping"] / values["bead.mass"]
+    slider = 1.0 / values["slider.mass"] + 1.0 / values["pendulum.mass"]
+    turning = values["pendulum.damping"] / values["pendulum.length"] ** 2
+    return (values["slider.damping"] + turning) * slider
 
 
 def size_of(*columns: np.ndarray) -> float:

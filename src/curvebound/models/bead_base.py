@@ -6,6 +6,7 @@ wire would have the acceleration e - k v from the centre, e = gravity + f/m - (t
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar, Final
 
 from .frame import FramedModel
@@ -138,6 +139,16 @@ class BeadBase(FramedModel):
         vy += self.vy
         kinetic = 0.5 * self.m * (vx * vx + vy * vy)
         return kinetic, -self.m * (self.gx * (px + self.x) + self.gy * (py + self.y))
+
+    def balance(self, t: float) -> tuple[float, float]:
+        px, py, vx, vy = self.relative()
+        vx += self.vx + t * self.ax
+        vy += self.vy + t * self.ay
+        x = px + (self.x + t * (self.vx + 0.5 * t * self.ax))
+        y = py + (self.y + t * (self.vy + 0.5 * t * self.ay))
+        kinetic = 0.5 * self.m * (vx * vx + vy * vy)
+        size = self.m * (math.fabs(self.gx * x) + math.fabs(self.gy * y)) + math.fabs(self.work)
+        return kinetic - self.m * (self.gx * x + self.gy * y) - self.work, kinetic + size
 
     def observe(self, group: int, values: list[float], first: int) -> None:
         if group == 0:
