@@ -18,10 +18,10 @@ EPSILON = float(np.finfo(float).eps)
 def small_steps(system: str, values: Any, method: str) -> tuple[Any, float]:
     """A communication step, and what resolves the fastest motion at the start.
 
-    For `implicit` also what damping does: `adaptive` sees to that itself.
+    And what damping does, which `adaptive` sees to itself.
     """
     fastest = rate(system, values)
-    if method == "implicit":
+    if method != "adaptive":
         fastest = max(fastest, damping_rate(system, values))
     step = 0.1 / fastest
     return {
