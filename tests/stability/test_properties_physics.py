@@ -204,9 +204,12 @@ def test_newtons_law_of_the_bead(count: int) -> None:
                 -values[f"bead.f{axis}"],
                 out[f"wire.f{axis}"],
             ]
-            # parts of the wire's force that may cancel: what it carries, and the drag
-            parts = [out["constraint.force"], values["bead.damping"] * out["bead.vx"],
-                     values["bead.damping"] * out["bead.vy"]]  # fmt: skip
+            # parts that may cancel: of the acceleration, the wire's; of its force, what it
+            # carries, and the drag
+            parts = [
+                *(m * values["wire.ax"], m * values["wire.ay"], out["constraint.force"]),
+                *(values["bead.damping"] * out[f"bead.v{c}"] for c in "xy"),
+            ]
             assert abs(sum(terms)) <= 64 * EPSILON * sum(abs(x) for x in terms + parts)
 
     holds(count, check, sampled["bead"])
