@@ -174,7 +174,10 @@ class BeadCartesian(BeadBase):
         rates = self.last_spin / (old_x * old_x + old_y * old_y) + spin / (x * x + y * y)
         old_angle = math.atan2(old_x + 0.0, -old_y)
         angle = math.atan2(x + 0.0, -y)
-        self.turns += float(math.floor((old_angle + 0.5 * h * rates - angle) / TURN + 0.5))
+        ahead = (old_angle + 0.5 * h * rates - angle) / TURN
+        # halves away from zero, to the left as to the right
+        turns = float(math.floor(abs(ahead) + 0.5))
+        self.turns += turns if ahead > 0.0 else -turns
 
     def advance_frame(self, duration: float) -> None:
         if self.moving:
