@@ -161,4 +161,14 @@ def rate(system: str, values: Values) -> float:
             values["gravity.y"] - values["wire.ay"] + values["bead.fy"] / values["bead.mass"],
         )
         found = max(found, math.sqrt(field / values["wire.radius"]))
+    else:
+        m1, m2 = values["slider.mass"], values["pendulum.mass"]
+        field = sum(
+            abs(values[f"gravity.{axis}"] - values[f"parabola.a{axis}"])
+            + abs(values[f"slider.f{axis}"]) / m1
+            + abs(values[f"pendulum.f{axis}"]) / m2
+            for axis in "xy"
+        )
+        # what it swings at once it has left a start across the field, where nothing pulls it back
+        found = max(found, math.sqrt(field * (1.0 + m2 / m1) / values["pendulum.length"]))
     return max(found, 1e-6)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -121,8 +122,10 @@ def test_units(system: str, count: int) -> None:
         scaled["solver.max_steps"] = values["solver.max_steps"]
         one = run_or_none(system, values, step, 3)
         other = run_or_none(system, scaled, step * math.ldexp(1.0, s), 3)
-        assert (one is None) == (other is None)
         if one is None or other is None:
+            # the range of floats has no other unit: an unstable motion may leave it in one only
+            one = one or other
+            assert one is None or max(np.abs(v).max() for v in one.values()) > 1e100
             return
         for name in of_kind(system, OUTPUT, COUNT):
             assert np.array_equal(one[name] * factor(name), other[name]), name
@@ -152,9 +155,10 @@ STATES = {
 def test_time_reversal(system: str, method: str, count: int) -> None:
     """Undamped, with reversed rates, the motion returns to where it started.
 
-    `implicit` is symmetric: it does so to rounding, however large its error, if no step is
-    halved; `adaptive` to its tolerance.
+    `implicit` is symmetric where no step is halved: it does so however large its error;
+    `adaptive` to its tolerance.
     """
+    judged: Counter[bool] = Counter()
 
     def check(values: Any) -> None:
         values = {k: 0.0 if k.endswith(".damping") else v for k, v in values.items()}
@@ -171,9 +175,12 @@ def test_time_reversal(system: str, method: str, count: int) -> None:
             sign = -1.0 if start.endswith(("velocity_start", "rate_start")) else 1.0
             back[start] = sign * float(there[output][-1])
         home = run_or_none(system, back, step, 5)
+        if method == "implicit":
+            even = home is not None and all(r["solver.steps"][-1] == 25 for r in (there, home))
+            judged[even] += 1
+            if not even:
+                return
         assert home is not None
-        even = [run_["solver.steps"][-1] == 25 for run_ in (there, home)]
-        allowed = 1e-7 if method == "adaptive" or all(even) else 1e-4
         for output, start in STATES[system].items():
             sign = -1.0 if start.endswith(("velocity_start", "rate_start")) else 1.0
             size = np.abs(there[output]).max() + np.abs(home[output]).max()
@@ -183,6 +190,7 @@ def test_time_reversal(system: str, method: str, count: int) -> None:
                 size = max(size, values["pendulum.length"])
             else:
                 size += 1e-3 * rate(system, values) * values.get("pendulum.length", 1.0)
-            assert abs(sign * home[output][-1] - values[start]) <= allowed * size, output
+            assert abs(sign * home[output][-1] - values[start]) <= 1e-7 * size, output
 
-    holds(count, check, sampled[system], refused=0.0)
+    holds(count, check, sampled[system], refused=0.0 if method == "adaptive" else 0.02)
+    assert judged[False] <= 0.2 * judged.total(), judged
