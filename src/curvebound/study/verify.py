@@ -16,12 +16,13 @@ from typing import Any
 
 from ..bench.timing import interleave, median
 from ..cosim import load_scene
+from .candidate import Choice
 from .grid import Family, divisions, tolerances
 from .settings import Setting
 from .starts import unseen
 from .study import study_outputs
 from .truth import Truths
-from .tune import Choice, Tuner
+from .tune import Tuner
 
 __all__ = ["BOUNDS", "MOST", "SHARE", "Case", "verify_scene"]
 

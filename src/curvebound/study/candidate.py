@@ -1,0 +1,50 @@
+"""What tuning finds: settings with their errors and costs, and the one chosen among them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .judge import Verdict
+from .settings import Setting
+
+__all__ = ["Candidate", "Choice"]
+
+
+@dataclass
+class Candidate:
+    """A setting and what it came to: `miss` is the largest error over its bound, over all outputs
+    (and, if `starts` > 1, over all starts, with what spread they show); `cpu` s per simulated s."""
+
+    setting: Setting
+    miss: float
+    cpu: float
+    starts: int = 1
+    until: float = 0.0
+    verdicts: dict[str, Verdict] = field(default_factory=dict)
+    failure: str = ""
+
+    @property
+    def fits(self) -> bool:
+        """Whether the bounds are met."""
+        return self.miss <= 1.0
+
+
+@dataclass
+class Choice:
+    """The outcome: `chosen` is None when nothing fits, and `best` then comes nearest.
+
+    cheaper: the next cheaper candidate, which does not fit, if there is any.
+    within_budget: whether `chosen` keeps to the scene's time budget; `affordable` is then the most
+        accurate that does.
+    until: time in s up to which the reference can judge the bounds.
+    advice: what would fit, in words, where nothing does.
+    """
+
+    chosen: Candidate | None
+    best: Candidate
+    cheaper: Candidate | None
+    until: float
+    runs: int
+    affordable: Candidate | None = None
+    within_budget: bool = True
+    advice: str = ""

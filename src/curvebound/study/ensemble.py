@@ -1,0 +1,89 @@
+"""What a setting comes to at a scene's own start, and at an ensemble of starts around it."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .candidate import Candidate
+from .runner import Runner
+from .settings import Setting
+from .truth import Truths
+
+if TYPE_CHECKING:
+    from ..cosim.scene import Scene
+
+__all__ = ["Ensemble"]
+
+_EXTREME = 4  # starts that are run in any case: the scene's own and the first corners
+_WIDEST = math.log(30.0)  # of what is expected over the worst that was seen
+_HOPELESS = 30.0  # times the bound: beyond this a setting needs no more starts to be dropped
+
+
+class Ensemble:
+    """Runs settings from `starts` (start values by path, the scene's own first) and counts them."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        runner: Runner,
+        truths: Truths,
+        starts: Mapping[str, NDArray[np.float64]],
+    ) -> None:
+        self.scene = scene
+        self.runner = runner
+        self.truths = truths
+        self.starts = starts
+        self.members = max((len(values) for values in starts.values()), default=1)
+        self.runs = 0
+
+    def one(self, setting: Setting, bounds: Mapping[str, float], member: int = 0) -> Candidate:
+        """A setting at one start, by default the scene's own."""
+        start = {path: float(values[member]) for path, values in self.starts.items()}
+        outcome = self.runner.glance(setting, start)
+        self.runs += 1
+        if outcome.failure or len(outcome.times) < 2:
+            return Candidate(setting, math.inf, outcome.cpu, failure=outcome.failure)
+        verdicts = self.truths.errors(outcome.times, outcome.outputs, member=member, least=bounds)
+        miss = max(v.worst / bounds[path] for path, v in verdicts.items())
+        until = min(v.until if v.judged else self.scene.start_time for v in verdicts.values())
+        return Candidate(setting, miss, outcome.cpu, until=until, verdicts=verdicts)
+
+    def all(self, setting: Setting, bounds: Mapping[str, float]) -> Candidate:
+        """A setting on the whole ensemble: the worst start, or what their spread leads to expect.
+
+        The bound is one of prediction: errors are taken as log-normal over the starts, and the
+        next one lies below it with a probability of 0.995 (Student's t), and within 30 times the
+        worst seen: errors of a chaotic motion spread over many orders. Where the first starts,
+        which are the extreme ones, miss by far, the others are spared.
+        """
+        every: list[Candidate] = []
+        for member in range(self.members):
+            every.append(self.one(setting, bounds, member))
+            if len(every) >= _EXTREME and max(c.miss for c in every) > _HOPELESS:
+                break
+        own = every[0]
+        misses = [c.miss for c in every]
+        miss = max(misses)
+        if min(misses) > 0.0 and miss < math.inf and len(misses) == self.members > 2:
+            logs = [math.log(m) for m in misses]
+            n = len(logs)
+            reach = _STUDENT.get(n - 1, 2.9) * statistics.stdev(logs) * math.sqrt(1.0 + 1.0 / n)
+            expected = statistics.fmean(logs) + reach
+            miss *= max(1.1, math.exp(min(expected - math.log(miss), _WIDEST)))
+        until = min(c.until for c in every)
+        failure = next((c.failure for c in every if c.failure), "")
+        return replace(own, miss=miss, starts=len(every), until=until, failure=failure)
+
+
+#: one-sided 99.5 % points of Student's t distribution by degrees of freedom
+_STUDENT = {
+    2: 9.925, 3: 5.841, 4: 4.604, 5: 4.032, 6: 3.707, 7: 3.499, 8: 3.355, 9: 3.250, 10: 3.169,
+    11: 3.106, 12: 3.055, 13: 3.012, 14: 2.977, 15: 2.947, 16: 2.921,
+}  # fmt: skip
