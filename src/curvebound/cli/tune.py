@@ -184,10 +184,14 @@ def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | No
             lines.append(
                 f"  {path}: error {verdict.worst:.2e} (bound {bounds[path]:g}), verified by a run"
             )
+        around = "starts within 20 % of the scene's own"
         lines.append(
-            f"  Over starts within 20 % of the scene's own, at most {best.miss:.2g} of the bound "
-            f"is expected ({choice.runs} runs)."
+            f"  Over {around}, at most {best.miss:.2g} of the bound is expected"
+            if choice.sure
+            else f"  Over the {best.starts} {around} that were tried, at most {best.seen:.2g} of "
+            "the bound was seen; their errors spread too widely to expect it of every other"
         )
+        lines[-1] += f" ({choice.runs} runs)."
         cheaper = choice.cheaper
         if cheaper is None:
             lines.append("  Nothing clearly cheaper was found: here the macro steps cost most.")

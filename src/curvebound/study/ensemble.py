@@ -49,11 +49,11 @@ class Ensemble:
         outcome = self.runner.glance(setting, start)
         self.runs += 1
         if outcome.failure or len(outcome.times) < 2:
-            return Candidate(setting, math.inf, outcome.cpu, failure=outcome.failure)
+            return Candidate(setting, math.inf, outcome.cpu, math.inf, failure=outcome.failure)
         verdicts = self.truths.errors(outcome.times, outcome.outputs, member=member, least=bounds)
         miss = max(v.worst / bounds[path] for path, v in verdicts.items())
         until = min(v.until if v.judged else self.scene.start_time for v in verdicts.values())
-        return Candidate(setting, miss, outcome.cpu, until=until, verdicts=verdicts)
+        return Candidate(setting, miss, outcome.cpu, miss, until=until, verdicts=verdicts)
 
     def all(self, setting: Setting, bounds: Mapping[str, float]) -> Candidate:
         """A setting on the whole ensemble: the worst start, or what their spread leads to expect.
@@ -70,7 +70,7 @@ class Ensemble:
                 break
         own = every[0]
         misses = [c.miss for c in every]
-        miss = max(misses)
+        miss = seen = max(misses)
         if min(misses) > 0.0 and miss < math.inf and len(misses) == self.members > 2:
             logs = [math.log(m) for m in misses]
             n = len(logs)
@@ -79,7 +79,7 @@ class Ensemble:
             miss *= max(1.1, math.exp(min(expected - math.log(miss), _WIDEST)))
         until = min(c.until for c in every)
         failure = next((c.failure for c in every if c.failure), "")
-        return replace(own, miss=miss, starts=len(every), until=until, failure=failure)
+        return replace(own, miss=miss, seen=seen, starts=len(every), until=until, failure=failure)
 
 
 #: one-sided 99.5 % points of Student's t distribution by degrees of freedom

@@ -123,7 +123,7 @@ class Tuner:
                 fronts.append(best)
                 cheapest = min(cheapest, best.cpu)
         shortlist = self._refine(fronts, bounds, tried, tell)
-        timed = self._time([c for c in shortlist if c.fits], tell)
+        timed = self._time(shortlist, tell)
         choice = self._decide(timed, tried, bounds)
         if budget is not None:
             self._keep_to(budget, choice, timed + tried)
@@ -143,17 +143,21 @@ class Tuner:
         tried: list[Candidate],
         tell: Callable[[str], None],
     ) -> list[Candidate]:
-        """The cheapest families on the whole ensemble, until _ALL of them fit or none is left."""
-        refined: list[Candidate] = []
+        """The cheapest families on the whole ensemble, until _ALL of them fit or none is left.
+
+        Where none fits, those that met the bounds at every start that was run: the errors of a
+        chaotic motion spread over so many orders that more cannot be asked of any.
+        """
+        fitting: list[Candidate] = []
+        likely: list[Candidate] = []
         least = min((c.cpu for c in fronts), default=1.0)
         # first timings are not sure within 30 %: among equals, the more accurate first
         ranked = sorted(fronts, key=lambda c: (int(math.log(c.cpu / least, 1.3)), c.miss))
         for front in ranked:
-            fitting = [c for c in refined if c.fits]
             if len(fitting) >= _ALL or (fitting and front.cpu > 1.6 * fitting[0].cpu):
                 break
             tell(f"{front.setting.label}: {self.ensemble.members} starts")
-            give_up = 4.0 * min((c.cpu for c in fitting), default=math.inf)
+            give_up = 4.0 * min((c.cpu for c in fitting or likely), default=math.inf)
             seen = follow(
                 front.setting.family,
                 lambda s: self.ensemble.all(s, bounds),
@@ -162,10 +166,13 @@ class Tuner:
                 floor=0.1,
             )
             tried += seen
-            good = [c for c in seen if c.fits]
-            if good:
-                refined.append(min(good, key=lambda c: (round(c.cpu, 7), c.miss)))
-        return refined
+            for found, good in (
+                (fitting, [c for c in seen if c.fits]),
+                (likely, [c for c in seen if c.starts == self.ensemble.members and c.seen <= 1.0]),
+            ):
+                if good:
+                    found.append(min(good, key=lambda c: (round(c.cpu, 7), c.miss)))
+        return fitting or sorted(likely, key=lambda c: c.cpu)[:_ALL]
 
     def _time(self, found: list[Candidate], tell: Callable[[str], None]) -> list[Candidate]:
         """Costs of the candidates, taken in turn so that the machine's moods fall on all alike."""
@@ -187,7 +194,8 @@ class Tuner:
         least = min(c.cpu for c in timed)
         # nearly the same cost: then the more accurate
         chosen = min((c for c in timed if c.cpu <= 1.2 * least), key=lambda c: c.miss)
-        return Choice(chosen, chosen, self._cheaper(chosen, tried, bounds), until, 0)
+        cheaper = self._cheaper(chosen, tried, bounds)
+        return Choice(chosen, chosen, cheaper, until, 0, sure=chosen.fits)
 
     def _cheaper(
         self, chosen: Candidate, tried: list[Candidate], bounds: Mapping[str, float]
