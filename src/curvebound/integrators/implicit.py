@@ -74,6 +74,10 @@ class Implicit(Method):
         self.k21: float = 0.0
         #: s, size of the last step; 0: there was none
         self.last: float = 0.0
+        #: J, balance of energy at the present state and the size of its parts, while `weighed`
+        self.energy: float = 0.0
+        self.stake: float = 0.0
+        self.weighed: bool = False
         self.tries: int = 0
 
     def reset(self) -> None:
@@ -95,6 +99,7 @@ class Implicit(Method):
             return TOO_MANY_STEPS
         before = self.get_state()
         self.tries = 0
+        self.weighed = False
         for i in range(count):
             outcome = self.step(model, i * h, h, 0, max_steps)
             if outcome != DONE:
@@ -111,6 +116,7 @@ class Implicit(Method):
         if self.holds(model, t, h):
             if model.settles:
                 model.settle(h)
+                self.weighed = False
             self.steps += 1
             return DONE
         if not math.isfinite(model.q0 + model.q1 + model.v0 + model.v1):
@@ -132,13 +138,17 @@ class Implicit(Method):
         allowed = IMBALANCE if model.magnification > VIOLENT else FAR_OFF
         q0, q1, v0, v1, work = model.q0, model.q1, model.v0, model.v1, model.work
         k10, k11, k20, k21, last = self.k10, self.k11, self.k20, self.k21, self.last
-        before, size = model.balance(t)
+        if not self.weighed:
+            self.energy, self.stake = model.balance(t)
+            self.weighed = True
         for extrapolate in (True, False):
             if extrapolate and last <= 0.0:
                 continue
             if self.attempt(model, t, h, extrapolate):
-                after, other = model.balance(t + h)
-                if math.fabs(after - before) <= allowed * max(size, other):
+                energy, stake = model.balance(t + h)
+                if math.fabs(energy - self.energy) <= allowed * max(stake, self.stake):
+                    self.energy = energy
+                    self.stake = stake
                     return True
                 model.q0, model.q1, model.v0, model.v1, model.work = q0, q1, v0, v1, work
                 self.k10, self.k11, self.k20, self.k21, self.last = k10, k11, k20, k21, last

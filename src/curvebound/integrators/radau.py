@@ -246,7 +246,6 @@ class Radau:
                 m[lower + STAGES + j] = -(g * j11 + f * k11)
             m[upper + i] += 1.0
             m[lower + STAGES + i] += 1.0
-        self.evaluations += STAGES
         return factorised(m, self.rows, n)
 
     def correct(self, unit0: float, unit1: float) -> None:

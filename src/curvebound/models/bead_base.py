@@ -133,22 +133,18 @@ class BeadBase(FramedModel):
         """Continuous angle (rad), angular velocity (rad/s), drift |p| - r (m)."""
         raise NotImplementedError
 
-    def energies(self) -> tuple[float, float]:
-        px, py, vx, vy = self.relative()
-        vx += self.vx
-        vy += self.vy
-        kinetic = 0.5 * self.m * (vx * vx + vy * vy)
-        return kinetic, -self.m * (self.gx * (px + self.x) + self.gy * (py + self.y))
-
-    def balance(self, t: float) -> tuple[float, float]:
+    def energies_at(self, t: float) -> tuple[float, float, float]:
         px, py, vx, vy = self.relative()
         vx += self.vx + t * self.ax
         vy += self.vy + t * self.ay
-        x = px + (self.x + t * (self.vx + 0.5 * t * self.ax))
-        y = py + (self.y + t * (self.vy + 0.5 * t * self.ay))
+        lift_x = self.gx * (px + (self.x + t * (self.vx + 0.5 * t * self.ax)))
+        lift_y = self.gy * (py + (self.y + t * (self.vy + 0.5 * t * self.ay)))
         kinetic = 0.5 * self.m * (vx * vx + vy * vy)
-        size = self.m * (math.fabs(self.gx * x) + math.fabs(self.gy * y)) + math.fabs(self.work)
-        return kinetic - self.m * (self.gx * x + self.gy * y) - self.work, kinetic + size
+        return (
+            kinetic,
+            -self.m * (lift_x + lift_y),
+            self.m * (math.fabs(lift_x) + math.fabs(lift_y)),
+        )
 
     def observe(self, group: int, values: list[float], first: int) -> None:
         if group == 0:

@@ -61,7 +61,19 @@ class FramedModel(Model):
 
     def energies(self) -> tuple[float, float]:
         """Kinetic and potential energy (J) of the present state."""
+        kinetic, potential, _ = self.energies_at(0.0)
+        return kinetic, potential
+
+    def energies_at(self, t: float) -> tuple[float, float, float]:
+        """Kinetic and potential energy (J), of a state t s after the communication point.
+
+        And the size of what adds up to the potential energy.
+        """
         raise NotImplementedError
+
+    def balance(self, t: float) -> tuple[float, float]:
+        kinetic, potential, size = self.energies_at(t)
+        return kinetic + potential - self.work, kinetic + size + math.fabs(self.work)
 
     def refresh(self) -> None:
         """Bring what is derived from state, frame and inputs up to date."""

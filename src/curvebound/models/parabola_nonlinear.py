@@ -249,21 +249,7 @@ class ParabolaNonlinear(ParabolaBase):
         if self.moving or self.reshapes:
             super().advance_frame(duration)
 
-    def energies(self) -> tuple[float, float]:
-        u = self.q0
-        s = math.sin(self.q1)
-        c = math.cos(self.q1)
-        au = self.a * u
-        vx = self.vx + self.v0
-        vy = self.vy + (2.0 * au * self.v0 + self.a_rate * u * u)
-        speed = self.r * self.v1
-        bx = vx + speed * c
-        by = vy + speed * s
-        kinetic = 0.5 * (self.m1 * (vx * vx + vy * vy) + self.m2 * (bx * bx + by * by))
-        potential = -self.mass * (self.gx * (self.x + u) + self.gy * (self.y + au * u))
-        return kinetic, potential - self.m2 * self.r * (self.gx * s - self.gy * c)
-
-    def balance(self, t: float) -> tuple[float, float]:
+    def energies_at(self, t: float) -> tuple[float, float, float]:
         u = self.q0
         s = math.sin(self.q1)
         c = math.cos(self.q1)
@@ -281,8 +267,7 @@ class ParabolaNonlinear(ParabolaBase):
         potential = -self.mass * (self.gx * x + self.gy * y)
         potential -= hang * (self.gx * s - self.gy * c)
         size = self.mass * (math.fabs(self.gx * x) + math.fabs(self.gy * y))
-        size += hang * (math.fabs(self.gx) + math.fabs(self.gy)) + math.fabs(self.work)
-        return kinetic + potential - self.work, kinetic + size
+        return kinetic, potential, size + hang * (math.fabs(self.gx) + math.fabs(self.gy))
 
     def reactions(self) -> tuple[float, float, float, float]:
         rx, ry, tension = self.push_and_pull(0.0, self.q0, self.q1, self.v0, self.v1)
