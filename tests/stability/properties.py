@@ -18,7 +18,7 @@ from curvebound.cosim.results import RunFailed
 from curvebound.cosim.scene import Scene
 from curvebound.fmi.build import load_declaration
 from curvebound.fmi.declaration import CHOICE, COUNT, INPUT, OUTPUT, PARAMETER, Variable
-from curvebound.study.stability.motion import kernel_of
+from curvebound.study.stability.kernels import kernel_of
 from curvebound.study.stability.ranges import SYSTEMS
 
 Values = dict[str, Any]

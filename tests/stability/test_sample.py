@@ -14,6 +14,7 @@ from curvebound.fmi.build import load_declaration
 from curvebound.fmi.declaration import INPUT, PARAMETER
 from curvebound.study.stability import motion, sample
 from curvebound.study.stability.characteristic import LONGEST, exact
+from curvebound.study.stability.kernels import kernel_of
 from curvebound.study.stability.precise import solve
 from curvebound.study.stability.ranges import SYSTEMS, Point, draw
 from curvebound.study.stability.sample import OUTPUTS, Outcome, Settings, judge, run_sample
@@ -97,7 +98,7 @@ def at_ten_seconds(system: str, **changes: float | str) -> np.ndarray:
     law = motion.bead(values) if system == "bead" else motion.pendulum(values)
     found = solve(
         law,
-        motion.kernel_of(system, values),
+        kernel_of(system, values),
         tuple(float(x) for x in start),
         until=lambda motion: 10.0 if motion.end >= 10.0 else math.inf,
         longest=LONGEST,
@@ -131,7 +132,7 @@ def test_the_references_equations_are_the_kernels(system: str) -> None:
     """Written from Newton's law in another way; they agree at random points to rounding."""
     for point in draw(system, 300, 5):
         law = (motion.bead if system == "bead" else motion.pendulum)(point.values)
-        model = motion.kernel_of(system, point.values)
+        model = kernel_of(system, point.values)
         state = np.array([model.q0, model.q1, model.v0, model.v1])
         found = law(np.zeros(1), state[:2, None].astype(np.longdouble), state[2:, None])[:, 0]
         kernel = model.acceleration(0.0, *state.tolist())

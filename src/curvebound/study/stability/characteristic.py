@@ -19,6 +19,7 @@ from ...models.base import Model
 from ..collocation import Trajectory
 from ..equations import Array
 from . import motion
+from .kernels import kernel_of
 from .motion import Values
 from .precise import RESTING, TAIL, Precise, solve
 
@@ -61,7 +62,7 @@ def exact(system: str, values: Values, *, count: float = 10.0, parts: int = 20) 
             real["pendulum.angular_velocity_start"],
         )
         length = real["pendulum.length"]
-    kernel = motion.kernel_of(system, values)
+    kernel = kernel_of(system, values)
 
     def found_with(tail: float, resting: float) -> Precise:
         clock = _Clock(system, values, count)
@@ -91,7 +92,7 @@ class _Clock:
     """Counts characteristic times along a trajectory."""
 
     def __init__(self, system: str, values: Values, count: float) -> None:
-        self._kernel: Model = motion.kernel_of(system, values, damped=False)
+        self._kernel: Model = kernel_of(system, values, damped=False)
         self._rate = self._bead if system == "bead" else self._pendulum
         real = {k: float(v) for k, v in values.items() if not isinstance(v, str)}
         self._real = real

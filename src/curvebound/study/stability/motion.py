@@ -16,12 +16,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ...models.base import Model
-from ...models.bead_on_wire import bead_on_wire
-from ...models.parabola_pendulum import parabola_pendulum
 from ..equations import Array
 
-__all__ = ["Accelerations", "bead", "kernel_of", "pendulum"]
+__all__ = ["Accelerations", "bead", "pendulum"]
 
 Number = np.longdouble
 #: t (n,), q (2, n), v (2, n) to q'' (2, n)
@@ -88,21 +85,3 @@ def pendulum(values: Values) -> Accelerations:
         return np.stack([ddu, (across - ddu * (c + slope * s)) / r])
 
     return linear if values["model.fidelity"] == "linear" else full
-
-
-def kernel_of(system: str, values: Values, *, damped: bool = True) -> Model:
-    """The kernel's model of a point, at its start with its inputs, for its Jacobian alone."""
-    real = {k: float(v) for k, v in values.items() if not isinstance(v, str)}
-    if not damped:
-        real |= {name: 0.0 for name in real if name.endswith(".damping")}
-    model: Model
-    if system == "bead":
-        real |= {"constraint.stiffness": 0.0, "constraint.damping": 0.0}
-        choices = {"model.formulation": 2, "constraint.stabilization": 1}
-        model = bead_on_wire(choices)
-    else:
-        choices = {"model.fidelity": 1 if values["model.fidelity"] == "linear" else 2}
-        model = parabola_pendulum(choices)
-    model.start(real, choices)
-    model.set_inputs([real[name] for name in model.INPUTS], 0)
-    return model

@@ -18,6 +18,8 @@ from ...cosim.scene import Scene
 from ...errors import CurveboundError
 from ..equations import known_systems, system_of
 from . import theory
+from .kernels import kernel_of
+from .ranges import SYSTEMS
 
 __all__ = ["ACCURATE", "FAILED", "INACCURATE", "UNKNOWN", "UNSTABLE", "Probe", "Verdict"]
 
@@ -181,9 +183,10 @@ class Probe:
         NaN where there is none: an unknown model, or a method without a boundary.
         """
         values = {**self._values, self.variable: value}
-        model = theory.kernel(self.model, values) if self.alone else None
-        if model is None or method in ("adaptive", "implicit", "exact"):
+        system = next((name for name, (fmu, _) in SYSTEMS.items() if fmu == self.model), None)
+        if not self.alone or system is None or method in ("adaptive", "implicit", "exact"):
             return math.nan, math.nan
+        model = kernel_of(system, values)
         reference, _ = self._exact(value)
         rest = theory.jacobians(model, [(0.0, 0.0, 0.0, 0.0)])
         moving: Sequence[NDArray[Any]] = []

@@ -10,17 +10,15 @@ and are left out): amplitude matters, and the two can be far apart.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.base import Model
-from ...models.bead_on_wire import bead_on_wire
-from ...models.parabola_pendulum import parabola_pendulum
 
-__all__ = ["FACTOR", "boundary", "jacobians", "kernel", "step_matrix", "swings"]
+__all__ = ["FACTOR", "boundary", "jacobians", "step_matrix", "swings"]
 
 Matrix = NDArray[Any]
 #: an oscillation's largest kinetic and potential energy together, what is at stake, are twice its
@@ -75,23 +73,6 @@ def swings(a: Matrix) -> bool:
     """Whether the fastest modes of z' = a z oscillate or decay."""
     modes = np.linalg.eigvals(a)
     return bool(modes.real.max() <= 0.1 * np.abs(modes).max())
-
-
-def kernel(model_name: str, values: Mapping[str, Any]) -> Model | None:
-    """The kernel's model of a component's start values, in minimal coordinates; None if unknown."""
-    real = {k: float(v) for k, v in values.items() if not isinstance(v, str)}
-    model: Model
-    if model_name == "BeadOnWire":
-        choices = {"model.formulation": 2, "constraint.stabilization": 1}
-        model = bead_on_wire(choices)
-    elif model_name == "ParabolaPendulum":
-        choices = {"model.fidelity": 1 if values["model.fidelity"] == "linear" else 2}
-        model = parabola_pendulum(choices)
-    else:
-        return None
-    model.start(real, choices)
-    model.set_inputs([real.get(name, 0.0) for name in model.INPUTS], 0)
-    return model
 
 
 def jacobians(model: Model, states: Sequence[Sequence[float]]) -> list[Matrix]:
