@@ -17,6 +17,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from ..arguments import setting
 from .bar import progress_bar
 from .stability_usage import LONG, refuse, requests_of
 
@@ -52,7 +53,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="E",
         help="largest relative error called accurate (default: 1e-3)",
     )
-    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
+    parser.add_argument("--set", type=setting, action="append", default=[], metavar="PATH=VALUE")
     parser.add_argument(
         "--sample", type=int, metavar="N", help="N random points of all declared ranges"
     )

@@ -45,12 +45,6 @@ def requests_of(options: argparse.Namespace) -> list[Any]:
     from ..study.stability.maps import Request, refuse_ignored, steps_from, values_of
     from ..study.stability.stability_map import METHODS
 
-    changes = []
-    for text in options.set:
-        path, equals, value = text.partition("=")
-        if not equals:
-            options.wrong(f"--set {text!r} is not of the form component.variable=value")
-        changes.append((path.strip(), value.strip()))
     requests = []
     try:
         for text in options.vary:
@@ -58,7 +52,7 @@ def requests_of(options: argparse.Namespace) -> list[Any]:
                 Request(
                     options.scene,
                     text,
-                    tuple(changes),
+                    tuple(options.set),
                     tuple(options.method or METHODS),
                     options.accuracy,
                     options.stop,

@@ -12,8 +12,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from ..arguments import positive
 from .bar import progress_bar
-from .numbers import positive
 
 NAME = "study"
 HELP = "measure error and cost of every setting of a scene"

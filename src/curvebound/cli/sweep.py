@@ -13,18 +13,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..arguments import setting, whole
 from .bar import progress_bar
-from .numbers import whole
 
 NAME = "sweep"
 HELP = "run a scene over a range of parameters"
-
-
-def _setting(text: str) -> tuple[str, str]:
-    path, equals, value = text.partition("=")
-    if not equals or not path.strip():
-        raise argparse.ArgumentTypeError(f"{text!r} is not of the form component.variable=value")
-    return path.strip(), value.strip()
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -51,7 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--set",
         metavar="PATH=VALUE",
-        type=_setting,
+        type=setting,
         action="append",
         default=[],
         help="a setting of all points",

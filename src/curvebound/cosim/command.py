@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..arguments import setting
 from ..errors import CurveboundError
-from .fmu import Value
 from .scene import ALGORITHMS, Adaptive, Scene
 
 if TYPE_CHECKING:
@@ -28,19 +28,12 @@ __all__ = [
 ]
 
 
-def _setting(text: str) -> tuple[str, Value]:
-    path, equals, value = text.partition("=")
-    if not equals or not path.strip():
-        raise argparse.ArgumentTypeError(f"{text!r} is not of the form component.variable=value")
-    return path.strip(), value.strip()
-
-
 def configure_changes(parser: argparse.ArgumentParser) -> None:
     """Add the options that change a scene."""
     parser.add_argument(
         "--set",
         metavar="COMPONENT.VARIABLE=VALUE",
-        type=_setting,
+        type=setting,
         action="append",
         default=[],
         help="a start value; enumerations by item name or number; may be repeated",

@@ -1,4 +1,4 @@
-"""Numbers of the command line, of which not every one makes sense: wrong ones are wrong usage."""
+"""Words of the command line, of which not every one makes sense: wrong ones are wrong usage."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Callable
 
-__all__ = ["positive", "whole"]
+__all__ = ["positive", "setting", "whole"]
 
 
 def positive(text: str) -> float:
@@ -33,3 +33,11 @@ def whole(least: int) -> Callable[[str], int]:
         return value
 
     return parse
+
+
+def setting(text: str) -> tuple[str, str]:
+    """component.variable=value, as (path, value)."""
+    path, equals, value = text.partition("=")
+    if not equals or not path.strip():
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form component.variable=value")
+    return path.strip(), value.strip()
