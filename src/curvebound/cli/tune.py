@@ -14,7 +14,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from .numbers import positive, whole
+from ..arguments import positive, setting, whole
 
 NAME = "tune"
 HELP = "choose the cheapest setting that meets a scene's needs"
@@ -33,13 +33,6 @@ def _bound(text: str) -> tuple[str, float]:
             f"{text!r} is neither a finite bound above zero nor component.variable=bound"
         )
     return path, value
-
-
-def _pair(text: str) -> tuple[str, str]:
-    path, equals, item = text.partition("=")
-    if not (equals and path and item):
-        raise argparse.ArgumentTypeError(f"{text!r} is not of the form component.variable=item")
-    return path, item
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -62,7 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--keep",
         metavar="PATH=ITEM",
-        type=_pair,
+        type=setting,
         action="append",
         default=[],
         help="a model or formulation that is not to be chosen",
@@ -101,6 +94,8 @@ def run(options: argparse.Namespace) -> int:
     """Tune and print; exit status 1 where nothing fits."""
     if not options.verify and (options.starts is not None or options.out is not None):
         options.wrong("--starts and --out are for --verify: add it, or leave them out")
+    if options.verify:
+        _refuse_unverified(options)
 
     from rich.console import Console
 
@@ -116,6 +111,20 @@ def run(options: argparse.Namespace) -> int:
     for name in names:
         status = max(status, _tune(options, name, console))
     return status
+
+
+def _refuse_unverified(options: argparse.Namespace) -> None:
+    """What --verify does not take: it judges all outputs, at the scene's own macro step."""
+    given = {
+        "--budget": options.budget is not None,
+        "--frame-rate": options.frame_rate is not None,
+        "--keep": bool(options.keep),
+        "--continuous": options.continuous,
+        "--write": options.write,
+        "a PATH in --error": any(path for path, _ in options.error),
+    }
+    for name in [name for name, there in given.items() if there]:
+        options.wrong(f"--verify does not take {name}: it checks bounds for all outputs of a scene")
 
 
 def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
@@ -229,7 +238,7 @@ def _verify(options: argparse.Namespace, names: list[str], console: Any) -> int:
 
     from ..files import require_writable
     from ..study.files import write_json
-    from ..study.verify import BOUNDS, MOST, SHARE, verify_scene
+    from ..study.verify import BOUNDS, MOST, broken, verify_scene
 
     if options.out is not None:
         require_writable(options.out)
@@ -259,19 +268,7 @@ def _verify(options: argparse.Namespace, names: list[str], console: Any) -> int:
                     case.remark,
                 )  # fmt: skip
             console.print(table, soft_wrap=not console.is_terminal)
-            judged = sum(case.judged for case in found)
-            if sum(case.met for case in found) < SHARE * judged:
-                failed.append(f"{name}: bounds met at fewer than {SHARE:.0%} of the starts")
-            failed += [
-                f"{name}, {case.bound:.0e}: {case.ratio:.2f} times the cost of {case.best}"
-                for case in found
-                if case.ratio is not None and case.ratio > MOST
-            ]
-            failed += [
-                f"{name}, {case.bound:.0e}: found nothing, and the grid has {case.best}"
-                for case in found
-                if case.setting == "none" and case.best != "none"
-            ]
+            failed += broken(found)
     fresh = sum(case.fresh for case in cases)
     judged = sum(case.judged for case in cases)
     met = sum(case.met for case in cases)

@@ -24,7 +24,7 @@ from .study import study_outputs
 from .truth import Truths
 from .tune import Tuner
 
-__all__ = ["BOUNDS", "MOST", "SHARE", "Case", "verify_scene"]
+__all__ = ["BOUNDS", "MOST", "Case", "broken", "verify_scene"]
 
 BOUNDS = (1e-2, 1e-4, 1e-6, 1e-9)
 SHARE = 0.95  # of the fresh starts at which a bound is to be met
@@ -107,6 +107,21 @@ def verify_scene(
         return cases
     finally:
         tuner.close()
+
+
+def broken(cases: Iterable[Case]) -> list[str]:
+    """The promises that the cases of one scene do not keep, in words."""
+    cases = list(cases)
+    found = []
+    if sum(c.met for c in cases) < SHARE * sum(c.judged for c in cases):
+        found.append(f"{cases[0].scene}: bounds met at fewer than {SHARE:.0%} of the starts")
+    for case in cases:
+        label = f"{case.scene}, {case.bound:.0e}"
+        if case.ratio is not None and case.ratio > MOST:
+            found.append(f"{label}: {case.ratio:.2f} times the cost of {case.best}")
+        if case.setting == "none" and case.best != "none":
+            found.append(f"{label}: found nothing, and the grid has {case.best}")
+    return found
 
 
 def _ceiling(choices: Iterable[Choice]) -> float:
