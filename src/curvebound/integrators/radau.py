@@ -182,7 +182,7 @@ class Radau:
                 stalls += 1
                 if stalls >= 2:
                     self.round_off()
-                    if least <= NOISE or (left0 <= self.noise0 and left1 <= self.noise1):
+                    if size <= NOISE or (left0 <= self.noise0 and left1 <= self.noise1):
                         break
                     if stalls >= 5:
                         return False
