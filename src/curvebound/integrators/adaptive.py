@@ -134,7 +134,7 @@ class Adaptive(Method):
                 if (
                     trial == 0
                     or REJECTS * rejections >= tries - since
-                    or is_stiff(model, elapsed.t, self.wished, a0, a1)
+                    or is_stiff(model, elapsed.t, self.wished, a0, a1, share)
                 ):
                     outcome = stiff.go_on(
                         model, elapsed, duration, self.wished, share, max_steps - tries

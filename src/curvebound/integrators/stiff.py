@@ -132,8 +132,11 @@ def usual(model: Model, t: float) -> float:
     return 1.0 / rate if rate > 0.0 else LARGEST
 
 
-def is_stiff(model: Model, t: float, h: float, a0: float, a1: float) -> bool:
-    """Whether damping, not the motion with its acceleration (a0, a1), keeps steps to h s."""
+def is_stiff(model: Model, t: float, h: float, a0: float, a1: float, share: float) -> bool:
+    """Whether damping, not the motion with its acceleration (a0, a1), keeps steps to h s.
+
+    What damping has yet to stop is no motion where it is less than the error `share`.
+    """
     try:
         j = model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
     except (ArithmeticError, ValueError, NotImplementedError):
@@ -141,7 +144,9 @@ def is_stiff(model: Model, t: float, h: float, a0: float, a1: float) -> bool:
     damping = -(j[4] + j[7])
     change = math.fabs(a0) / model.q0_scale + math.fabs(a1) / model.q1_scale
     rate = math.fabs(model.v0) / model.q0_scale + math.fabs(model.v1) / model.q1_scale
-    return 2.0 * h * damping >= 1.0 and 4.0 * change <= damping * rate
+    return 2.0 * h * damping >= 1.0 and (
+        4.0 * change <= damping * rate or change <= share * damping * damping
+    )
 
 
 def growth(error: float) -> float:
