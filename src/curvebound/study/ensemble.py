@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["Ensemble"]
 
 _EXTREME = 4  # starts that are run in any case: the scene's own and the first corners
-_WIDEST = math.log(30.0)  # of what is expected over the worst that was seen
+_WIDEST = math.log(1000.0)  # of what is expected over the worst that was seen
 _HOPELESS = 30.0  # times the bound: beyond this a setting needs no more starts to be dropped
 
 
@@ -59,7 +59,7 @@ class Ensemble:
         """A setting on the whole ensemble: the worst start, or what their spread leads to expect.
 
         The bound is one of prediction: errors are taken as log-normal over the starts, and the
-        next one lies below it with a probability of 0.995 (Student's t), and within 30 times the
+        next one lies below it with a probability of 0.995 (Student's t), and within 1000 times the
         worst seen: errors of a chaotic motion spread over many orders. Where the first starts,
         which are the extreme ones, miss by far, the others are spared.
         """

@@ -150,13 +150,14 @@ class Tuner:
         """
         fitting: list[Candidate] = []
         likely: list[Candidate] = []
+        members = self.ensemble.members
         least = min((c.cpu for c in fronts), default=1.0)
         # first timings are not sure within 30 %: among equals, the more accurate first
         ranked = sorted(fronts, key=lambda c: (int(math.log(c.cpu / least, 1.3)), c.miss))
         for front in ranked:
             if len(fitting) >= _ALL or (fitting and front.cpu > 1.6 * fitting[0].cpu):
                 break
-            tell(f"{front.setting.label}: {self.ensemble.members} starts")
+            tell(f"{front.setting.label}: {members} starts")
             give_up = 4.0 * min((c.cpu for c in fitting or likely), default=math.inf)
             seen = follow(
                 front.setting.family,
@@ -166,12 +167,12 @@ class Tuner:
                 floor=0.1,
             )
             tried += seen
-            for found, good in (
-                (fitting, [c for c in seen if c.fits]),
-                (likely, [c for c in seen if c.starts == self.ensemble.members and c.seen <= 1.0]),
-            ):
-                if good:
-                    found.append(min(good, key=lambda c: (round(c.cpu, 7), c.miss)))
+            good = [c for c in seen if c.fits]
+            if good:
+                fitting.append(min(good, key=lambda c: (round(c.cpu, 7), c.miss)))
+            met = [c for c in seen if c.starts == members and c.seen <= 1.0]
+            if met:
+                likely.append(min(met, key=lambda c: c.seen))
         return fitting or sorted(likely, key=lambda c: c.cpu)[:_ALL]
 
     def _time(self, found: list[Candidate], tell: Callable[[str], None]) -> list[Candidate]:
@@ -193,7 +194,7 @@ class Tuner:
             return Choice(None, best, None, until, 0, advice=self._advice(best, tried))
         least = min(c.cpu for c in timed)
         # nearly the same cost: then the more accurate
-        chosen = min((c for c in timed if c.cpu <= 1.2 * least), key=lambda c: c.miss)
+        chosen = min((c for c in timed if c.cpu <= 1.2 * least), key=lambda c: (c.miss, c.seen))
         cheaper = self._cheaper(chosen, tried, bounds)
         return Choice(chosen, chosen, cheaper, until, 0, sure=chosen.fits)
 
