@@ -19,7 +19,7 @@ ACCELERATION_ERROR: Final = 0.3
 #: magnification of errors by the motion, times that of a rounding, above this times the tolerance;
 #: the magnification is a bound that few motions come near
 ROUNDING: Final = 1e4
-EPSILON: Final = 1.1102230246251565e-16
+UNIT_ROUNDOFF: Final = 1.1102230246251565e-16
 #: what the suggested step aims at, as a fraction of the bound
 _AIM: Final = 0.1
 #: what keeps a bound, rounded to one digit, above what it has to exceed
@@ -102,7 +102,7 @@ class Watch:
         self, magnification: float, tolerance: float, setting: str, remedy: str, time: float
     ) -> str:
         """The warning that no step size can keep to `tolerance`, which `setting` gives, or ''."""
-        grown = EPSILON * magnification
+        grown = UNIT_ROUNDOFF * magnification
         if self.said_rounding or not grown > ROUNDING * tolerance:
             return ""
         self.said_rounding = True

@@ -13,10 +13,10 @@ from ..plots import GREY, INK, new_figure, save
 from .probe import ACCURATE, FAILED, INACCURATE, UNKNOWN, UNSTABLE
 from .stability_map import Column, StabilityMap
 
-__all__ = ["COLOURS", "draw"]
+__all__ = ["draw"]
 
 #: of the verdicts, told apart in grey as well
-COLOURS = {
+OUTCOME_COLOURS = {
     ACCURATE: "#cfe8dc",
     INACCURATE: "#f6d99a",
     UNSTABLE: "#d98a6a",
@@ -31,8 +31,8 @@ def draw(maps: Sequence[StabilityMap], label: str, out: Path) -> list[Path]:
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     figure, panels = new_figure(3.1 * len(maps), 3.9, len(maps))
-    kinds = list(COLOURS)
-    colours = ListedColormap(list(COLOURS.values()))
+    kinds = list(OUTCOME_COLOURS)
+    colours = ListedColormap(list(OUTCOME_COLOURS.values()))
     norm = BoundaryNorm(np.arange(len(kinds) + 1) - 0.5, len(kinds))
     for i, (one, axes) in enumerate(zip(maps, panels, strict=True)):
         x = np.array([column.value for column in one.columns])
@@ -129,7 +129,7 @@ def _legend(figure: Any, panels: int) -> None:
 
     handles: list[Any] = [
         Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=kind)
-        for kind, colour in COLOURS.items()
+        for kind, colour in OUTCOME_COLOURS.items()
     ]
     handles += [
         Line2D([], [], color=INK, label="accurate below"),
