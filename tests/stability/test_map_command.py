@@ -74,8 +74,8 @@ def test_a_bad_axis_is_refused_by_name(vary: str, message: str, capsys) -> None:
         ([*VARY, "--set", "bead.bead.mass"], "component.variable=value"),
         ([*VARY, "--set", f"{RADIUS}=3"], f"--vary sets {RADIUS}"),
         ([*VARY, "--set", "bead.solver.method=rk4"], "the map sets bead.solver.method"),
-        ([*VARY, "--accuracy", "inf"], "--accuracy must be above 0 and finite"),
-        ([*VARY, "--stop", "inf"], "--stop must be above 0 and finite"),
+        ([*VARY, "--accuracy", "inf"], "no finite number above zero"),
+        ([*VARY, "--stop", "inf"], "no finite number above zero"),
     ],
 )
 def test_a_malformed_map_is_wrong_usage(arguments: list[str], message: str, capsys) -> None:
@@ -117,6 +117,10 @@ def test_a_folder_that_cannot_be_written_is_refused_first(
         ["--all", "--jobs", "0"],
         ["--all", "--documentation", "fmus", "--method", "rk4"],
         ["--all", "--stop", "3"],
+        ["--all", "--system", "bead"],
+        ["--sample", "2", "--accuracy", "1e-3"],
+        ["--long", "--seed", "2"],
+        ["--all", "--periods", "1e4"],
         ["--long", "--set", "bead.wire.radius=2"],
         ["--sample", "3", "--method", "rk4", "--method", "adaptive"],
         ["--sample", "3", "--tolerance", "nan"],

@@ -17,7 +17,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from ..arguments import setting
+from ..arguments import positive, setting, whole
+from ..study.stability.ranges import SYSTEMS
 from .bar import progress_bar
 from .stability_usage import LONG, refuse, requests_of
 
@@ -45,33 +46,36 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--steps", metavar="LOW:HIGH:N", help="steps in s (default: 5e-6 to 0.1 of the run, 22)"
     )
-    parser.add_argument("--stop", type=float, metavar="T", help="stop time of a map's runs in s")
+    parser.add_argument("--stop", type=positive, metavar="T", help="stop time of a map's runs in s")
     parser.add_argument(
         "--accuracy",
-        type=float,
-        default=1e-3,
+        type=positive,
         metavar="E",
         help="largest relative error called accurate (default: 1e-3)",
     )
     parser.add_argument("--set", type=setting, action="append", default=[], metavar="PATH=VALUE")
     parser.add_argument(
-        "--sample", type=int, metavar="N", help="N random points of all declared ranges"
+        "--sample", type=whole(1), metavar="N", help="N random points of all declared ranges"
     )
-    parser.add_argument("--system", action="append", choices=("bead", "pendulum"))
-    parser.add_argument("--seed", type=int, default=1, help="of the sample (default: 1)")
-    parser.add_argument("--tolerance", type=float, default=1e-8, help="of the sample (1e-8)")
-    parser.add_argument("--times", type=float, default=10.0, help="characteristic times (10)")
+    parser.add_argument(
+        "--system",
+        action="append",
+        choices=tuple(SYSTEMS),
+        help="of the sample (default: both); may be repeated",
+    )
+    parser.add_argument("--seed", type=int, help="of the sample (default: 1)")
+    parser.add_argument("--tolerance", type=positive, help="of the sample (1e-8)")
+    parser.add_argument("--times", type=positive, help="of the sample: characteristic times (10)")
     parser.add_argument("--long", action="store_true", help="long runs of bead and pendulum")
     parser.add_argument(
-        "--periods", type=float, default=1e5, help="of the long runs of the bead (default: 1e5)"
+        "--periods", type=positive, help="of the long runs of the bead (default: 1e5)"
     )
     parser.add_argument(
         "--calls",
-        type=float,
-        default=1e7,
+        type=positive,
         help="communication steps of the long run of the pendulum (default: 1e7)",
     )
-    parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
+    parser.add_argument("--jobs", type=whole(1), default=1, help="processes (default: 1)")
     parser.add_argument("--out", type=Path, default=Path("build/stability"), metavar="DIR")
     parser.add_argument("--no-plots", action="store_true", help="tables and pages only")
     parser.add_argument(
@@ -170,7 +174,7 @@ def _sample(options: argparse.Namespace) -> bool:
 
     console = Console(highlight=False)
     good = True
-    for system in dict.fromkeys(options.system or ("bead", "pendulum")):
+    for system in dict.fromkeys(options.system or SYSTEMS):
         method = (options.method or ["adaptive"])[0]
         settings = Settings(system, method, options.tolerance, options.times)
         with progress_bar(console) as bar:

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import math
 from typing import Any
 
 #: methods that the long runs have, and the most periods or calls of one
 LONG = ("semi_implicit_euler", "rk4", "implicit", "adaptive", "explicit_euler")
 LONGEST = 1e9
+#: of options that are refused where they would not be heeded
+_DEFAULTS = {
+    "accuracy": 1e-3,
+    "seed": 1,
+    "tolerance": 1e-8,
+    "times": 10.0,
+    "periods": 1e5,
+    "calls": 1e7,
+}
 
 
 def refuse(options: argparse.Namespace) -> None:
@@ -18,10 +26,10 @@ def refuse(options: argparse.Namespace) -> None:
         options.wrong("give SCENE with --vary, or --all, --sample N or --long")
     if maps and not (options.scene and options.vary):
         options.wrong("a map needs both SCENE and --vary component.variable=LOW:HIGH:N")
-    if options.jobs < 1 or (options.sample is not None and options.sample < 1):
-        options.wrong("--sample and --jobs take numbers from 1 on")
-    if not (0.0 < options.accuracy < math.inf):
-        options.wrong("--accuracy must be above 0 and finite")
+    _refuse_unheeded(options, maps)
+    for name, default in _DEFAULTS.items():
+        if getattr(options, name) is None:
+            setattr(options, name, default)
     if not (1000.0 <= options.periods <= LONGEST and 1000.0 <= options.calls <= LONGEST):
         options.wrong(f"--periods and --calls must be at least 1000 and at most {LONGEST:g}")
     for method in (options.long and options.method) or ():
@@ -29,14 +37,22 @@ def refuse(options: argparse.Namespace) -> None:
             options.wrong(f"--long has no run of {method}, but of {', '.join(LONG)}")
     if options.documentation and (not options.all or options.method or options.no_plots):
         options.wrong("--documentation goes with --all and every method")
-    if not maps and (options.set or options.steps or options.stop is not None):
-        options.wrong("--set, --steps and --stop belong to a map of SCENE with --vary")
-    if options.stop is not None and not 0.0 < options.stop < math.inf:
-        options.wrong("--stop must be above 0 and finite")
     if options.sample is not None and len(options.method or ()) > 1:
         options.wrong("--sample takes one --method")
-    if not (0.0 < options.tolerance < math.inf and 0.0 < options.times < math.inf):
-        options.wrong("--tolerance and --times must be above 0 and finite")
+
+
+def _refuse_unheeded(options: argparse.Namespace, maps: bool) -> None:
+    """Options of what was not asked for."""
+    groups = [
+        (maps, "a map of SCENE with --vary", ("set", "steps", "stop")),
+        (maps or options.all, "maps", ("accuracy",)),
+        (options.sample is not None, "--sample", ("system", "seed", "tolerance", "times")),
+        (options.long, "--long", ("periods", "calls")),
+    ]
+    for asked, owner, names in groups:
+        for name in names:
+            if not asked and getattr(options, name) not in (None, []):
+                options.wrong(f"--{name} belongs to {owner}")
 
 
 def requests_of(options: argparse.Namespace) -> list[Any]:

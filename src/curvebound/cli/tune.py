@@ -58,7 +58,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=setting,
         action="append",
         default=[],
-        help="a model or formulation that is not to be chosen",
+        help="a model or formulation that stays as given; may be repeated",
     )
     parser.add_argument(
         "--continuous",
@@ -91,7 +91,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Tune and print; exit status 1 where nothing fits."""
+    """Tune and print; exit status 1 where nothing fits, a budget or a promise is not kept."""
     if not options.verify and (options.starts is not None or options.out is not None):
         options.wrong("--starts and --out are for --verify: add it, or leave them out")
     if options.verify:
@@ -114,7 +114,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_unverified(options: argparse.Namespace) -> None:
-    """What --verify does not take: it judges all outputs, at the scene's own macro step."""
+    """What --verify does not take: it judges what a scene needs, by one bound for all of it."""
     given = {
         "--budget": options.budget is not None,
         "--frame-rate": options.frame_rate is not None,
@@ -124,7 +124,7 @@ def _refuse_unverified(options: argparse.Namespace) -> None:
         "a PATH in --error": any(path for path, _ in options.error),
     }
     for name in [name for name, there in given.items() if there]:
-        options.wrong(f"--verify does not take {name}: it checks bounds for all outputs of a scene")
+        options.wrong(f"--verify does not take {name}: it checks bounds for what a scene needs")
 
 
 def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
@@ -165,6 +165,11 @@ def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
         finally:
             tuner.close()
     lines = _words(scene, bounds, choice, budget)
+    if tuner.space.is_simpler:
+        kept = ", ".join(f"{path}={item}" for path, item in tuner.space.truth.items())
+        lines.append(
+            f"  Judged against {kept}, as kept: what that model itself is off by is not in it."
+        )
     for line in lines:
         console.print(line, soft_wrap=not console.is_terminal)
     if choice.chosen is None:
@@ -183,7 +188,7 @@ def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | No
     lines = [f"[bold]{scene.name}[/]: " + ", ".join(f"{p} within {b:g}" for p, b in bounds.items())]
     if choice.chosen is None:
         lines.append(
-            f"  Nothing fits. The nearest, {_setting(best)}, misses by {best.miss:.3g} times."
+            f"  Nothing fits. The nearest, {_setting(best)}, misses by {best.seen:.3g} times."
         )
         if choice.advice:
             lines.append(f"  What would: {choice.advice}.")

@@ -40,7 +40,7 @@ class Radau:
     """The step, and room for it to work in: it remembers nothing."""
 
     def __init__(self) -> None:
-        #: of the equations of motion and their Jacobian, for the caller to count
+        #: of the equations of motion, for the caller to count
         self.evaluations: int = 0
         # accelerations at the stages
         self.a: list[float] = [0.0] * STAGES

@@ -135,7 +135,8 @@ def usual(model: Model, t: float) -> float:
 def is_stiff(model: Model, t: float, h: float, a0: float, a1: float, share: float) -> bool:
     """Whether damping, not the motion with its acceleration (a0, a1), keeps steps to h s.
 
-    What damping has yet to stop is no motion where it is less than the error `share`.
+    What damping has yet to stop is no motion where it is less than the error `share`. Both
+    coordinates are taken together; where that errs it costs a trial.
     """
     try:
         j = model.jacobian(t, model.q0, model.q1, model.v0, model.v1)

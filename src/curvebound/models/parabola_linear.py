@@ -189,14 +189,17 @@ class ParabolaLinear(ParabolaNonlinear):
         # linear equations have one solution, and not all of their energy is the nonlinear one's
         return 0.0, 1.0
 
-    def energies(self) -> tuple[float, float]:
+    def energies_at(self, t: float) -> tuple[float, float, float]:
+        a = self.a + t * (self.a_rate + 0.5 * t * self.a_acceleration)
         u = self.q0
         th = self.q1
         bob = self.v0 + self.r * self.v1
         kinetic = 0.5 * (self.m1 * self.v0 * self.v0 + self.m2 * bob * bob)
         hang = 0.5 * self.m2 * self.r * th * th
-        potential = -self.gy * (self.mass * self.a * u * u + hang)
-        return kinetic, potential - self.gx * (self.mass * u + self.m2 * self.r * th)
+        rise = self.mass * a * u * u
+        aside = self.gx * (self.mass * u + self.m2 * self.r * th)
+        size = math.fabs(self.gy) * (math.fabs(rise) + hang) + math.fabs(aside)
+        return kinetic, -self.gy * (rise + hang) - aside, size
 
     def reactions(self) -> tuple[float, float, float, float]:
         # Newton's law of both masses in exact geometry

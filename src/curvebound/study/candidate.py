@@ -23,7 +23,6 @@ class Candidate:
     cpu: float
     seen: float
     starts: int = 1
-    until: float = 0.0
     verdicts: dict[str, Verdict] = field(default_factory=dict)
     failure: str = ""
 

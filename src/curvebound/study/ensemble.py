@@ -6,7 +6,6 @@ import math
 import statistics
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +14,6 @@ from .candidate import Candidate
 from .runner import Runner
 from .settings import Setting
 from .truth import Truths
-
-if TYPE_CHECKING:
-    from ..cosim.scene import Scene
 
 __all__ = ["Ensemble"]
 
@@ -31,12 +27,10 @@ class Ensemble:
 
     def __init__(
         self,
-        scene: Scene,
         runner: Runner,
         truths: Truths,
         starts: Mapping[str, NDArray[np.float64]],
     ) -> None:
-        self.scene = scene
         self.runner = runner
         self.truths = truths
         self.starts = starts
@@ -52,8 +46,7 @@ class Ensemble:
             return Candidate(setting, math.inf, outcome.cpu, math.inf, failure=outcome.failure)
         verdicts = self.truths.errors(outcome.times, outcome.outputs, member=member, least=bounds)
         miss = max(v.worst / bounds[path] for path, v in verdicts.items())
-        until = min(v.until if v.judged else self.scene.start_time for v in verdicts.values())
-        return Candidate(setting, miss, outcome.cpu, miss, until=until, verdicts=verdicts)
+        return Candidate(setting, miss, outcome.cpu, miss, verdicts=verdicts)
 
     def all(self, setting: Setting, bounds: Mapping[str, float]) -> Candidate:
         """A setting on the whole ensemble: the worst start, or what their spread leads to expect.
@@ -77,9 +70,8 @@ class Ensemble:
             reach = _STUDENT.get(n - 1, 2.9) * statistics.stdev(logs) * math.sqrt(1.0 + 1.0 / n)
             expected = statistics.fmean(logs) + reach
             miss *= max(1.1, math.exp(min(expected - math.log(miss), _WIDEST)))
-        until = min(c.until for c in every)
         failure = next((c.failure for c in every if c.failure), "")
-        return replace(own, miss=miss, seen=seen, starts=len(every), until=until, failure=failure)
+        return replace(own, miss=miss, seen=seen, starts=len(every), failure=failure)
 
 
 #: one-sided 99.5 % points of Student's t distribution by degrees of freedom

@@ -80,7 +80,7 @@ def _is_coarsest(setting: Setting) -> bool:
 
 
 def _expected(tried: Mapping[float, Candidate], following: Setting) -> float:
-    """Cost of a micro step, from what the tried ones cost: a + b / size."""
+    """Cost (s per s) of the following size, from what the tried ones cost: a + b / size."""
     assert following.size is not None
     sizes = sorted(tried)
     if len(sizes) < 2:

@@ -142,6 +142,11 @@ class Space:
         return changed
 
     @property
+    def is_simpler(self) -> bool:
+        """Whether even the most accurate model is a simpler one, as it was to be kept."""
+        return self.approximate[0]
+
+    @property
     def truth(self) -> dict[str, str]:
         """Enumeration values of the most accurate model."""
         return self.model(Setting(self.structures[0], "", None, 1.0, ""))
@@ -150,7 +155,8 @@ class Space:
 def space_of(system: System, keep: Mapping[str, str] | None = None) -> Space:
     """The choices of a scene that was checked.
 
-    keep: enumeration values by path that are not to be chosen.
+    keep: enumeration values by path that stay as given. Where they make a simpler model, that is
+        the scene's truth: what the model itself is off by is the user's choice.
     Components of the same FMU share their structure, and all share method and size.
     """
     groups: dict[str, list[str]] = {}
@@ -171,6 +177,7 @@ def space_of(system: System, keep: Mapping[str, str] | None = None) -> Space:
         methods = items if methods is None else [m for m in methods if m in items]
         per_group.append([(known, structure, names) for structure in known.structures])
     structures, exact, approximate = [], [], []
+    offered: dict[str, set[str]] = {}
     for combination in itertools.product(*per_group):
         values: dict[str, str] = {}
         all_exact, simpler = True, False
@@ -180,13 +187,22 @@ def space_of(system: System, keep: Mapping[str, str] | None = None) -> Space:
             simpler = simpler or any(structure.get(v) == item for v, item in known.approximate)
             for name in names:
                 values |= {f"{name}.{variable}": item for variable, item in structure.items()}
+        for path, item in values.items():
+            offered.setdefault(path, set()).add(item)
         if any(values.get(path, item) != item for path, item in (keep or {}).items()):
             continue
         structures.append(tuple(values.items()))
         exact.append(all_exact)
         approximate.append(simpler)
+    for path, item in (keep or {}).items():
+        if item not in offered.get(path, ()):
+            known_items = [f"{p}={i}" for p, items in offered.items() for i in sorted(items)]
+            raise CurveboundError(
+                f"The scene {system.scene.name} has no choice {path}={item} to keep; it has "
+                f"{', '.join(known_items) or 'none'}."
+            )
     if not structures:
         kept = ", ".join(f"{path}={item}" for path, item in (keep or {}).items())
-        raise CurveboundError(f"No structure of the scene {system.scene.name} has {kept}.")
+        raise CurveboundError(f"No structure of the scene {system.scene.name} has all of {kept}.")
     plain = [m for m in methods or [] if m != "exact"]
     return Space(system, structures, exact, approximate, plain, plants)

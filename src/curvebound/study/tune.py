@@ -43,7 +43,7 @@ class Tuner:
     frame_rate: pictures per simulated second that must be recorded, else the scene's need, else
         its macro step.
     limit: CPU seconds that one run may take; spread: relative range of starts that the choice is to
-        hold for; keep: enumeration values by path that are not to be chosen.
+        hold for; keep: enumeration values by path that stay as given.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Tuner:
         around = surrounding(self.system, spread, starts)
         self.truths = Truths(self.system, self.space, paths, changes=around, continuous=continuous)
         self.runner = Runner(scene, self.space, paths)
-        self.ensemble = Ensemble(scene, self.runner, self.truths, around)
+        self.ensemble = Ensemble(self.runner, self.truths, around)
 
     def close(self) -> None:
         """Free the FMUs."""
@@ -124,7 +124,8 @@ class Tuner:
                 cheapest = min(cheapest, best.cpu)
         shortlist = self._refine(fronts, bounds, tried, tell)
         timed = self._time(shortlist, tell)
-        choice = self._decide(timed, tried, bounds)
+        within = [c for c in timed if budget is None or c.cpu <= budget]
+        choice = self._decide(within or timed, tried, bounds)
         if budget is not None:
             self._keep_to(budget, choice, timed + tried)
         choice.runs = self.ensemble.runs - before
@@ -189,8 +190,9 @@ class Tuner:
     ) -> Choice:
         until = self._until(bounds)
         if not timed:
-            whole = [c for c in tried if c.starts > 1 and c.miss < math.inf]
-            best = min(whole or tried, key=lambda c: c.miss)
+            # known at all starts first: one that was dropped early misses by more than was seen
+            members = self.ensemble.members
+            best = min(tried, key=lambda c: (c.seen == math.inf, c.starts < members, c.seen))
             return Choice(None, best, None, until, 0, advice=self._advice(best, tried))
         least = min(c.cpu for c in timed)
         # nearly the same cost: then the more accurate
@@ -202,16 +204,23 @@ class Tuner:
         self, chosen: Candidate, tried: list[Candidate], bounds: Mapping[str, float]
     ) -> Candidate | None:
         """The next cheaper candidate: the same family one notch coarser, or another that failed."""
+
+        def misses(c: Candidate) -> float:
+            # like is compared with like: a choice that is not sure was judged by what was seen
+            return c.miss if chosen.fits else c.seen
+
         setting = coarser(chosen.setting)
         if setting is not None:
             tried_coarser = self.ensemble.all(setting, bounds)
-            if not tried_coarser.fits:
-                return replace(tried_coarser, cpu=self.runner.cost(setting))
+            if misses(tried_coarser) > 1.0:
+                return replace(
+                    tried_coarser, cpu=self.runner.cost(setting), miss=misses(tried_coarser)
+                )
         others = [
-            c for c in tried
-            if not c.fits and c.cpu < 0.9 * chosen.cpu and 1.0 < c.miss < math.inf
+            replace(c, miss=misses(c)) for c in tried
+            if c.cpu < 0.9 * chosen.cpu and 1.0 < misses(c) < math.inf
         ]  # fmt: skip
-        return max(others, key=lambda c: c.cpu) if others else None
+        return max(others, key=lambda c: c.cpu, default=None)
 
     def _until(self, bounds: Mapping[str, float]) -> float:
         """Time up to which the reference can tell whether the bounds are met, for all starts."""
@@ -230,15 +239,15 @@ class Tuner:
         words = []
         setting = best.setting
         if self.sampled and self.continuous:
-            finer = setting.step / (best.miss / AIM)
+            finer = setting.step / (best.seen / AIM)
             words.append(
                 f"values held over the macro step cost accuracy of first order: a macro step of "
                 f"about {finer:.1e} s would do, at about {best.cpu * setting.step / finer:.2g} s "
                 "of CPU time per simulated second"
             )
         finite = [c for c in tried if c.miss < math.inf and c.setting.size]
-        if finite and best.miss < 1e6 and not (self.sampled and self.continuous):
-            words.append(f"bounds {_round_up(best.miss):g} times as wide would be met")
+        if finite and best.seen < 1e6 and not (self.sampled and self.continuous):
+            words.append(f"bounds {_round_up(best.seen):g} times as wide would be met")
         if best.cpu * self.span > 0.3 * self.limit:
             words.append(f"runs of more than {self.limit:g} s were not tried: raise --limit")
         if best.failure:
@@ -249,7 +258,9 @@ class Tuner:
         if choice.chosen is None or choice.chosen.cpu <= budget:
             return
         choice.within_budget = False
-        affordable = [c for c in every if c.cpu <= budget and c.miss < math.inf]
+        members = self.ensemble.members
+        known = [c for c in every if c.starts == members and c.miss < math.inf]
+        affordable = [c for c in known if c.cpu <= budget]
         choice.affordable = min(affordable, key=lambda c: c.miss, default=None)
 
     def _macro(

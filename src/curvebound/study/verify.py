@@ -16,7 +16,8 @@ from typing import Any
 
 from ..bench.timing import interleave, median
 from ..cosim import load_scene
-from .candidate import Choice
+from .candidate import Candidate, Choice
+from .ensemble import Ensemble
 from .grid import Family, divisions, tolerances
 from .settings import Setting
 from .starts import unseen
@@ -55,6 +56,7 @@ class Case:
     until: float
     stop: float
     runs: int
+    sure: bool = True
     advice: str = ""
 
     def as_row(self) -> dict[str, Any]:
@@ -65,6 +67,8 @@ class Case:
     def remark(self) -> str:
         """What the numbers do not say, in words."""
         words = []
+        if not self.sure:
+            words.append("met at the starts tried, not expected of every other")
         if self.setting == "none":
             words.append(f"nothing fits; {self.advice}" if self.advice else "nothing fits")
             words.append(f"the grid has {self.best}" if self.best != "none" else "nor in the grid")
@@ -110,7 +114,10 @@ def verify_scene(
 
 
 def broken(cases: Iterable[Case]) -> list[str]:
-    """The promises that the cases of one scene do not keep, in words."""
+    """The promises that the cases of one scene do not keep, in words.
+
+    What the tuner is not sure of counts as much: users take it like any other choice.
+    """
     cases = list(cases)
     found = []
     if sum(c.met for c in cases) < SHARE * sum(c.judged for c in cases):
@@ -142,8 +149,6 @@ class _Grid:
         ceiling: float,
     ) -> None:
         self.tuner = tuner
-        self.checks = checks
-        self.starts = starts
         self.fresh = fresh
         self.known: list[tuple[Setting, dict[str, float], float]] = []
         for family in self._families(quick):
@@ -160,7 +165,8 @@ class _Grid:
                 verdicts = tuner.truths.errors(outcome.times, outcome.outputs, member=0)
                 errors = {path: v.worst for path, v in verdicts.items()}
                 self.known.append((setting, errors, outcome.cpu))
-        self._tried: dict[tuple[str, float, int], _Miss] = {}
+        self._unseen = Ensemble(tuner.runner, checks, starts)
+        self._tried: dict[tuple[str, float, int], Candidate] = {}
 
     def _families(self, quick: bool) -> list[Family]:
         step, algorithm = self.tuner.step, self.tuner.scene.algorithm
@@ -181,27 +187,15 @@ class _Grid:
             return cpu * self.tuner.span
         return cpu * self.tuner.span * last.size / setting.size
 
-    def misses(self, setting: Setting, limits: dict[str, float]) -> list[_Miss]:
+    def misses(self, setting: Setting, limits: dict[str, float]) -> list[Candidate]:
         """What a setting comes to at each fresh start."""
         return [self._miss(setting, limits, member) for member in range(self.fresh)]
 
-    def _miss(self, setting: Setting, limits: dict[str, float], member: int) -> _Miss:
+    def _miss(self, setting: Setting, limits: dict[str, float], member: int) -> Candidate:
         key = (setting.key, next(iter(limits.values())), member)
         if key not in self._tried:
-            self._tried[key] = self._run(setting, limits, member)
+            self._tried[key] = self._unseen.one(setting, limits, member)
         return self._tried[key]
-
-    def _run(self, setting: Setting, limits: dict[str, float], member: int) -> _Miss:
-        start = {path: float(values[member]) for path, values in self.starts.items()}
-        outcome = self.tuner.runner.glance(setting, start)
-        if outcome.failure or len(outcome.times) < 2:
-            return _Miss(math.inf, True, math.inf)
-        verdicts = self.checks.errors(outcome.times, outcome.outputs, member=member, least=limits)
-        return _Miss(
-            max(v.worst / limits[path] for path, v in verdicts.items()),
-            all(v.judged for v in verdicts.values()),
-            min(v.until for v in verdicts.values()),
-        )
 
     def _cheapest(self, limits: dict[str, float], cpu: float) -> list[Setting]:
         """The grid's cheapest settings that meet the bounds, by a first timing."""
@@ -223,7 +217,7 @@ class _Grid:
         failed = 0
         for member in range(self.fresh):
             miss = self._miss(setting, limits, member)
-            failed += miss.judged and miss.size > 1.0
+            failed += _judged(miss) and not miss.fits
             if failed > (1.0 - SHARE) * self.fresh + 1e-9:
                 return False
         return True
@@ -240,32 +234,29 @@ class _Grid:
         best = min(rivals, key=lambda s: costs[s.key], default=None)
         best_cpu = costs[best.key] if best else None
         case = Case(
-            name, bound, "none", 0, 0, 0, choice.best.miss, math.inf,
+            name, bound, "none", 0, 0, 0, choice.best.seen, math.inf,
             best.label if best else "none", best_cpu, None, choice.until,
-            self.tuner.scene.stop_time, choice.runs, choice.advice,
+            self.tuner.scene.stop_time, choice.runs, advice=choice.advice,
         )  # fmt: skip
         if choice.chosen is None:
             return case
         setting = choice.chosen.setting
         misses = self.misses(setting, limits)
-        known = [m for m in misses if m.judged]
+        known = [m for m in misses if _judged(m)]
         return replace(
             case,
             setting=setting.label,
-            met=sum(m.size <= 1.0 for m in known),
+            met=sum(m.fits for m in known),
             judged=len(known),
             fresh=self.fresh,
-            worst=max((m.size for m in known), default=math.nan),
+            worst=max((m.miss for m in known), default=math.nan),
             cpu=costs[setting.key],
             ratio=costs[setting.key] / best_cpu if best_cpu else None,
-            until=min((m.until for m in known), default=choice.until),
+            until=min((v.until for m in known for v in m.verdicts.values()), default=choice.until),
+            sure=choice.sure,
         )
 
 
-@dataclass(frozen=True)
-class _Miss:
-    """Largest error over its bound from one start, whether and up to what time (s) it is judged."""
-
-    size: float
-    judged: bool
-    until: float
+def _judged(miss: Candidate) -> bool:
+    """Whether the reference can tell; that of a run that failed it can."""
+    return all(v.judged for v in miss.verdicts.values())

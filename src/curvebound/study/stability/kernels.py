@@ -12,7 +12,10 @@ __all__ = ["kernel_of"]
 
 
 def kernel_of(system: str, values: Mapping[str, float | str], *, damped: bool = True) -> Model:
-    """The model of a system ("bead" or "pendulum") at its start; inputs not given are zero."""
+    """The model of a system at its start; inputs not given are zero.
+
+    system: "bead" or "pendulum"; KeyError for another.
+    """
     real = {k: float(v) for k, v in values.items() if not isinstance(v, str)}
     if not damped:
         real |= {name: 0.0 for name in real if name.endswith(".damping")}
@@ -20,9 +23,11 @@ def kernel_of(system: str, values: Mapping[str, float | str], *, damped: bool = 
     if system == "bead":
         choices = {"model.formulation": 2, "constraint.stabilization": 1}
         model = bead_on_wire(choices)
-    else:
+    elif system == "pendulum":
         choices = {"model.fidelity": 1 if values["model.fidelity"] == "linear" else 2}
         model = parabola_pendulum(choices)
+    else:
+        raise KeyError(system)
     model.start(real, choices)
     model.set_inputs([real.get(name, 0.0) for name in model.INPUTS], 0)
     return model
