@@ -252,3 +252,47 @@ def test_what_damping_has_stopped_takes_no_more_steps(stabilization: int) -> Non
     angle, rate, _ = bead.rotation()
     assert angle == pytest.approx(-1.5 + 917 / 101, abs=1e-6)
     assert abs(rate) < 1e-15
+
+
+@pytest.mark.parametrize("damping", [5.0, 1000.0])
+@pytest.mark.parametrize("form", ["none", "baumgarte", "projection", "angle"])
+def test_a_stopped_bead_that_is_pushed_and_released(form: str, damping: float) -> None:
+    """Each rest is another equilibrium, where forces cancel to rounding: a few steps each.
+
+    1e5 s of rest took up to 1e8 evaluations, to follow what rounding made tremble.
+    """
+    parameters = {
+        "gravity.x": 0.0,
+        "gravity.y": -9.81,
+        "wire.radius": 0.2,
+        "bead.mass": 1.0,
+        "bead.damping": damping,
+        "bead.angle_start": -0.46,
+        "bead.angular_velocity_start": 0.0,
+        "constraint.stiffness": 100.0,
+        "constraint.damping": 20.0,
+    }
+    stabilization = ("none", "baumgarte", "projection", "angle").index(form) % 3 + 1
+    choices = {
+        "model.formulation": 2 if form == "angle" else 1,
+        "constraint.stabilization": stabilization,
+    }
+    bead = bead_on_wire(choices)
+    bead.start(parameters, choices)
+    method = Adaptive()
+    for force in (0.0, 20.0, 0.0):
+        inputs = [force if name == "bead.fx" else 0.0 for name in bead.INPUTS]
+        bead.set_inputs(inputs, 0)
+        before = method.evaluations
+        march(method, bead, 2e5, pieces=2, tolerance=1e-9)
+        assert method.evaluations - before < 20_000
+        angle, rate, drift = bead.rotation()
+        assert math.tan(angle) == pytest.approx(force / 9.81, abs=1e-8)
+        assert abs(rate) < 1e-8
+        _, potential = bead.energies()
+        residual = potential - bead.initial_energy - bead.work
+        if form == "none":
+            assert abs(drift) < 1e-3  # it grows with time, as does the work that it does
+        else:
+            assert abs(drift) < 1e-12
+            assert abs(residual) < 1e-8

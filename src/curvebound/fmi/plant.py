@@ -53,8 +53,6 @@ class PlantEngine(Engine):
         self.remembers: bool = False
         self.look_at_drift: bool = False
         self.look_at_linear: bool = False
-        #: J, at the first look
-        self.first_potential: float = math.nan
         super().__init__(table, guid)
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
@@ -78,7 +76,6 @@ class PlantEngine(Engine):
         self.grouped(model.OUTPUTS, model.FEEDTHROUGH)
         self.look_at_drift = "constraint.drift" in model.OUTPUTS
         self.look_at_linear = model.is_linear
-        self.first_potential = math.nan
         return (
             "" if self.finite() else "the initial state is not finite: choose smaller start values"
         )
@@ -156,14 +153,11 @@ class PlantEngine(Engine):
         watch = self.watch
         said = ""
         if not watch.said_energy:
-            potential = self.output("energy.potential")
-            if self.first_potential != self.first_potential:
-                self.first_potential = potential
             method = self.method
             by_step = not method.CHOOSES_STEP
             said = watch.energy(
-                self.output("energy.kinetic"),
-                potential - self.first_potential,
+                max(self.output("energy.kinetic"), self.model.initial_kinetic),
+                self.output("energy.potential") - self.model.initial_potential,
                 self.output("energy.residual"),
                 method.ORDER if by_step else 1,
                 "solver.step" if by_step else self.tolerance_name(),

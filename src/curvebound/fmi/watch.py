@@ -1,7 +1,7 @@
 """Warnings while running: what the live error measures say, once each.
 
 A plant is looked at after its 16th, 32nd and then every 64th communication step, so that the
-outputs which this needs cost next to nothing, and some energy has moved before the first look.
+outputs which this needs cost next to nothing.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ class Watch:
     ) -> str:
         """The warning about the energy balance, or ''.
 
-        kinetic, change of the potential energy, residual in J; `setting` with its value is what
-        rules the error, as its power `order`.
+        kinetic (now or at the start), change of the potential energy since, residual in J;
+        `setting` with its value is what rules the error, as its power `order`.
         """
         self.moved = max(self.moved, abs(kinetic), abs(change))
         if self.said_energy or not abs(residual) > ENERGY_FRACTION * self.moved > 0.0:

@@ -147,6 +147,8 @@ PRESUMED: Final = 0.1
 #: changes below this, relative, are rounding
 ROUNDING: Final = 5e-16
 EPSILON: Final = 2.220446049250313e-16
+#: roundings of the model's load that an acceleration can be wrong by
+CANCELLED: Final = 4.0
 TINY: Final = 1e-300
 #: a rate that moves its coordinate by less than this part of it within the step (or span, if that
 #: is longer) counts as rest
@@ -254,6 +256,7 @@ class Collocation:
         rest1 = max(rest1, model.coupling * scale0 / per)
         scale0 = 1.0 / max(scale0, rest0)
         scale1 = 1.0 / max(scale1, rest1)
+        cancelled = CANCELLED * EPSILON * model.load
         contraction = self.contraction
         change = 0.0
         error = 0.0
@@ -366,6 +369,7 @@ class Collocation:
                         math.fabs(q0) / (math.fabs(y7 - q0) + TINY),
                         math.fabs(q1) / (math.fabs(x7 - q1) + TINY),
                     )
+                    noise += h * cancelled * (scale0 + scale1)
                     if not change <= noise:
                         return math.inf
                     done = True
@@ -375,7 +379,10 @@ class Collocation:
             error = tail(a0, a1, a2, a3, a4, a5, a6, a7) * scale0
             if two:
                 error += tail(b0, b1, b2, b3, b4, b5, b6, b7) * scale1
-            error *= h
+            # less what cancelled forces leave, which shorter steps have too
+            error = h * (error - cancelled * (scale0 + scale1))
+            if error < 0.0:
+                error = 0.0
             if not error <= tolerance:
                 return error
             if done:

@@ -181,7 +181,7 @@ class Radau:
             if size > 0.5 * least:
                 stalls += 1
                 if stalls >= 2:
-                    self.round_off()
+                    self.round_off(model)
                     if size <= NOISE or (left0 <= self.noise0 and left1 <= self.noise1):
                         break
                     if stalls >= 5:
@@ -193,10 +193,10 @@ class Radau:
         else:
             return False
         self.place(model, h)
-        self.round_off()
+        self.round_off(model)
         return True
 
-    def round_off(self) -> None:
+    def round_off(self, model: Model) -> None:
         """Find what rounding makes of the accelerations of the present stages."""
         x0 = x1 = w0 = w1 = 0.0
         for i in range(STAGES):
@@ -205,8 +205,10 @@ class Radau:
             w0 = max(w0, math.fabs(self.w0[i]))
             w1 = max(w1, math.fabs(self.w1[i]))
         s = self.slopes
-        self.noise0 = SPREAD * EPSILON * ((s[0] * x0 + s[1] * x1) + (s[2] * w0 + s[3] * w1))
-        self.noise1 = SPREAD * EPSILON * ((s[4] * x0 + s[5] * x1) + (s[6] * w0 + s[7] * w1))
+        noise0 = (s[0] * x0 + s[1] * x1) + (s[2] * w0 + s[3] * w1) + model.load
+        noise1 = (s[4] * x0 + s[5] * x1) + (s[6] * w0 + s[7] * w1) + model.load
+        self.noise0 = SPREAD * EPSILON * noise0
+        self.noise1 = SPREAD * EPSILON * noise1
 
     def factorise(self, model: Model, t: float, h: float, unit0: float, unit1: float) -> bool:
         """The Newton matrix I - h^2 B dK/dq - h A dK/dv, in the units, and its triangles."""

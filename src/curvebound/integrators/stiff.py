@@ -145,9 +145,10 @@ def is_stiff(model: Model, t: float, h: float, a0: float, a1: float, share: floa
     damping = -(j[4] + j[7])
     change = math.fabs(a0) / model.q0_scale + math.fabs(a1) / model.q1_scale
     rate = math.fabs(model.v0) / model.q0_scale + math.fabs(model.v1) / model.q1_scale
-    return 2.0 * h * damping >= 1.0 and (
-        4.0 * change <= damping * rate or change <= share * damping * damping
-    )
+    if change <= share * damping * damping:
+        # whatever h is: what is left is rounding, to which other steps shrink
+        return damping > 0.0
+    return 2.0 * h * damping >= 1.0 and 4.0 * change <= damping * rate
 
 
 def growth(error: float) -> float:

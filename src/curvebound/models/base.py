@@ -45,12 +45,17 @@ class Model:
         self.v1: float = 0.0
         #: J, net work since the start: by drive and inputs, less what damping dissipated
         self.work: float = 0.0
+        #: J, energies at the start: by them it is known how much has moved since
+        self.initial_kinetic: float = 0.0
+        self.initial_potential: float = 0.0
         #: natural magnitudes of q0 and q1, for error norms
         self.q0_scale: float = 1.0
         self.q1_scale: float = 1.0
         #: part of one coordinate's rate, in its scale, below which the other's counts as rest: less
         #: than 1 where each has to be right for itself
         self.coupling: float = 1.0
+        #: size, in units of q0'', of what can cancel in the accelerations to rounding
+        self.load: float = 0.0
         #: by how much the motion can magnify errors before anything of it shows; for tolerances
         self.magnification: float = 1.0
         #: whether power() can differ from zero with the present parameters, inputs and frame motion

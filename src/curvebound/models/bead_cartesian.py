@@ -79,6 +79,8 @@ class BeadCartesian(BeadBase):
         self.last_x = self.q0
         self.last_y = self.q1
         self.last_spin = self.q0 * self.v1 - self.q1 * self.v0
+        # the wire takes up what it can of the field
+        self.load = math.fabs(self.ex) + math.fabs(self.ey)
         # In the constant field e the square of the rate grows by no more than this / r^4
         self.swing = 4.0 * math.sqrt(self.ex * self.ex + self.ey * self.ey) * self.r * self.rr
 
@@ -102,6 +104,11 @@ class BeadCartesian(BeadBase):
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
     ) -> float:
+        if self.projects:
+            # what the projection takes back of the motion has done no work
+            normal = (q0 * v0 + q1 * v1) / (q0 * q0 + q1 * q1)
+            v0 -= normal * q0
+            v1 -= normal * q1
         return self.work_rate(t, v0, v1, a0, a1)
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:

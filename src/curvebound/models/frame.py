@@ -52,6 +52,8 @@ class FramedModel(Model):
     def note_initial_energy(self) -> None:
         """Remember energy.total; raises ValueError if the initial state is beyond the floats."""
         kinetic, potential = self.energies()
+        self.initial_kinetic = kinetic
+        self.initial_potential = potential
         self.initial_energy = kinetic + potential
         if not math.isfinite(self.initial_energy):
             raise ValueError(
