@@ -1,0 +1,47 @@
+"""Warnings while running, through the FMI logger: once each, and only where there is a reason."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from curvebound.cosim import Scene
+
+
+def warnings(fmu: str, start: dict[str, Any], stop: float, step: float) -> list[str]:
+    scene = Scene("warned", stop_time=stop, step=step)
+    scene.add("plant", fmu, start)
+    scene.record("plant.energy.residual")
+    return [note for note in scene.run().notes if note.startswith("plant: ")]
+
+
+def test_an_energy_that_is_not_kept_is_told_once_with_the_step_to_try() -> None:
+    start = {"model.formulation": "angle", "solver.method": "explicit_euler", "solver.step": 1e-2}
+    (note,) = warnings("BeadOnWire", start, 10.0, 0.1)
+    assert "energy.residual" in note
+    assert "the integration is inaccurate; try solver.step" in note
+    better = float(note.partition("solver.step = ")[2].split()[0])
+    assert not warnings("BeadOnWire", {**start, "solver.step": better}, 10.0, 0.1)
+
+
+def test_a_drift_off_the_wire_is_told_once_with_what_holds_it() -> None:
+    start = {"constraint.stabilization": "none", "solver.step": 2e-2, "solver.method": "rk4"}
+    notes = warnings("BeadOnWire", start, 60.0, 0.1)
+    assert sum("constraint.drift" in note for note in notes) == 1
+    assert any("constraint.stabilization = 3 (projection)" in note for note in notes)
+
+
+def test_a_linear_model_beyond_its_range_is_told_once() -> None:
+    start = {"model.fidelity": "linear", "pendulum.angle_start": 1.5}
+    notes = warnings("ParabolaPendulum", start, 20.0, 0.1)
+    assert sum("beyond its range" in note for note in notes) == 1
+
+
+@pytest.mark.parametrize("step", [1.0, 10.0])
+@pytest.mark.parametrize("method", ["rk4", "adaptive", "implicit"])
+@pytest.mark.parametrize("form", ["angle", "lagrange_multiplier"])
+def test_a_bead_that_damping_stopped_is_no_reason(form: str, method: str, step: float) -> None:
+    """All energy moves before the first look, and counts still: rounding is little beside it."""
+    start = {"bead.damping": 5.0, "model.formulation": form, "solver.method": method}
+    assert not warnings("BeadOnWire", start, 70 * step, step)
