@@ -226,3 +226,33 @@ def test_rows_at_smaller_starts_are_kept_as_well(
     second.run(journal)
     assert second.rows == first.rows
     assert len(journal.read_text().splitlines()) == 1 + len(first.rows)
+
+
+def test_a_choice_keeps_a_scripts_encoding_and_line_ends(tmp_path: Path) -> None:
+    script = tmp_path / "mine.py"
+    script.write_bytes(b"# -*- coding: latin-1 -*-\r\nname = 'caf\xe9'\r\n")
+    put_choice(script, "# chosen by `curvebound tune`\nx = 1\n# end of the choice\n")
+    data = script.read_bytes()
+    assert b"caf\xe9" in data
+    assert data.count(b"\n") == data.count(b"\r\n") == 6
+    script.write_bytes(b"name = 'caf\xe9'\n")
+    with pytest.raises(CurveboundError, match="cannot be read"):
+        put_choice(script, "x = 1\n")
+    assert script.read_bytes() == b"name = 'caf\xe9'\n"
+
+
+def test_what_is_kept_has_to_exist_and_is_what_is_judged_by() -> None:
+    system = load_scene("pendulum_small").check()
+    for keep in ({"plant.model.fidelty": "linear"}, {"plant.model.fidelity": "cubic"}):
+        with pytest.raises(CurveboundError, match=r"no choice plant\.model\.fidel.* to keep"):
+            space_of(system, keep)
+    assert not space_of(system).is_simpler
+    kept = space_of(system, {"plant.model.fidelity": "linear"})
+    assert kept.is_simpler
+    assert kept.truth == {"plant.model.fidelity": "linear"}
+
+
+def test_a_frame_rate_that_makes_too_many_steps_is_refused() -> None:
+    scene = load_scene("bead_on_wire")
+    with pytest.raises(CurveboundError, match="give one of at most"):
+        Tuner(scene, list(scene.needs.errors), frame_rate=1e9)

@@ -65,3 +65,27 @@ def test_an_output_that_nothing_defines_names_others(capsys: pytest.CaptureFixtu
     err = " ".join(capsys.readouterr().err.split())
     assert "bead.bead.x" in err
     assert "--output" not in err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--vary", "bead.bead.damping=a,b"], "'a' is not a number"),
+        (["--vary", "bead.bead.damping=0:1:3", "--set", "bead.bead.damping=3"], "would be ignored"),
+        (["--vary", "bead.bead.damping=0:1:3", "--map"], "needs two parameters"),
+    ],
+    ids=["word", "set", "map"],
+)
+def test_a_sweep_without_sense_leaves_an_earlier_one_alone(
+    words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "x.csv"
+    out.write_text("an earlier one")
+    assert main(["sweep", "bead_on_wire", *words, "--out", str(out), "--restart"]) == 1
+    assert message in " ".join(capsys.readouterr().err.split())
+    assert out.read_text() == "an earlier one"
+
+
+def test_two_bounds_of_one_output_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*TUNE, "--error", "1e-3", "--error", "1e-5"]) == 1
+    assert "Two bounds" in capsys.readouterr().err

@@ -71,9 +71,12 @@ def run(options: argparse.Namespace) -> int:
     from ..study.extras import require
     from ..study.sweep import Design, Sweep, axis
 
+    design = Design([axis(text) for text in options.vary], options.latin, options.seed)
     if options.map:
         require("plots")
-    design = Design([axis(text) for text in options.vary], options.latin, options.seed)
+        from ..study.sweep.heatmap import require_map
+
+        require_map(design)
     sweep = Sweep(
         options.scene, design, options.metric, changes=dict(options.set), variant=options.variant
     )
@@ -100,7 +103,7 @@ def run(options: argparse.Namespace) -> int:
             console.print(f"Stopped; {out} holds what is done; the same command goes on.")
             return 1
     earlier = result.points - result.run
-    text = f"{result.path}: {result.points} points"
+    text = f"{result.path}: {result.points} point{'' if result.points == 1 else 's'}"
     if earlier:
         text += f", {earlier} of them from an earlier run"
     if result.failed:

@@ -137,7 +137,12 @@ def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
     script = script_of(name) if options.write else None
     scene = load_scene(name)
     bounds = {path: bound for path, bound in scene.needs.errors.items() if bound > 0.0}
-    given: dict[str, float] = dict(options.error)
+    given: dict[str, float] = {}
+    for path, bound in options.error:
+        if path in given:
+            which = f" of {path}" if path else ""
+            raise CurveboundError(f"Two bounds{which}: {given[path]:g} and {bound:g}; give one.")
+        given[path] = bound
     paths = list(dict.fromkeys([*bounds, *(p for p in given if p)]))
     if "" in given:
         paths = paths or study_outputs(scene, scene.check())

@@ -47,6 +47,10 @@ class Outcome:
     cpu: float = 0.0
 
 
+#: CPU seconds of a run below which two cannot be told apart
+_SHORTEST = 2e-6
+
+
 class Runner:
     """The FMUs of a scene, loaded once for any number of settings. Use as a context manager."""
 
@@ -150,7 +154,7 @@ class Runner:
                 found.append(taken / _meter.slowness(before, speed))
             if spent[0] > 0.3:
                 break
-        return max(median(spent) - median(set_up), 1e-7) / self.span
+        return max(median(spent) - median(set_up), _SHORTEST) / self.span
 
     @staticmethod
     def _timed(prepared: Prepared, values: dict[str, Value], step: float, stop: float) -> float:

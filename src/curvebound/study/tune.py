@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Tuner"]
 
+_MOST = 1e7  # communication steps of a run
 _ALL = 4  # families that are refined and timed in turn
 
 
@@ -82,6 +83,11 @@ class Tuner:
     def _macro_step(self, rate: float | None) -> float:
         """The longest macro step that records often enough and changes nothing else."""
         wanted = 1.0 / rate if rate else self.scene.step
+        if self.span / wanted > _MOST:
+            raise CurveboundError(
+                f"The frame rate is {rate} Hz, which makes {self.span / wanted:.3g} communication "
+                f"steps of {self.span:g} s; give one of at most {_MOST / self.span:g} Hz."
+            )
         if not self.sampled or self.continuous:
             return min(wanted, self.span)
         return self.scene.step
@@ -212,10 +218,9 @@ class Tuner:
         setting = coarser(chosen.setting)
         if setting is not None:
             tried_coarser = self.ensemble.all(setting, bounds)
-            if misses(tried_coarser) > 1.0:
-                return replace(
-                    tried_coarser, cpu=self.runner.cost(setting), miss=misses(tried_coarser)
-                )
+            cpu = self.runner.cost(setting)
+            if misses(tried_coarser) > 1.0 and cpu < chosen.cpu:
+                return replace(tried_coarser, cpu=cpu, miss=misses(tried_coarser))
         others = [
             replace(c, miss=misses(c)) for c in tried
             if c.cpu < 0.9 * chosen.cpu and 1.0 < misses(c) < math.inf

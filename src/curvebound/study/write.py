@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping, Sequence
+import io
+import tokenize
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..cosim.fmu import Value
@@ -69,12 +71,20 @@ def _literal(value: Value) -> str:
     return _quoted(value) if isinstance(value, str) else repr(value)
 
 
-def put_choice(path: Path, block: str, values: Mapping[str, object] | None = None) -> None:
+def put_choice(path: Path, block: str) -> None:
     """Write a block into a script: in place of an earlier one, else before its main guard.
 
-    The file appears whole or not at all, and only if it is still valid Python.
+    The file appears whole or not at all, in its own encoding and line ends, and only if it is still
+    valid Python.
     """
-    text = path.read_text(encoding="utf-8")
+    data = path.read_bytes()
+    try:
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(data).readline)
+        text = data.decode(encoding)
+    except (SyntaxError, UnicodeDecodeError) as error:
+        raise CurveboundError(f"{path} cannot be read: {error}. Edit it by hand.") from error
+    end = "\r\n" if "\r\n" in text else "\n"
+    text = text.replace("\r\n", "\n")
     lines = text.splitlines(keepends=True)
     begins = [i for i, line in enumerate(lines) if line.startswith(_BEGIN)]
     ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
@@ -93,7 +103,9 @@ def put_choice(path: Path, block: str, values: Mapping[str, object] | None = Non
         raise CurveboundError(
             f"{path} cannot be changed safely: {error}. Edit it by hand."
         ) from error
-    write_whole(path, lambda temporary: temporary.write_text(changed, encoding="utf-8"))
+    write_whole(
+        path, lambda temporary: temporary.write_bytes(changed.replace("\n", end).encode(encoding))
+    )
 
 
 def _guard(text: str) -> int | None:

@@ -94,6 +94,17 @@ class Sweep:
                     f"--vary {one.path}: {nearest(one.path, every)} A sweep varies start values "
                     "and parameters of the scene's components."
                 )
+            if one.path in dict(settings):
+                raise CurveboundError(
+                    f"--set {one.path} would be ignored, as --vary {one.path} gives its values: "
+                    "leave one of them out."
+                )
+            assert node is not None
+            for value in one.items or (one.low, one.high):
+                try:
+                    node.fmu.variables[variable].value(value)
+                except ValueError as error:
+                    raise CurveboundError(f"--vary {one.path}: {error}.") from None
         described = {
             "scene": identity(system),
             "axes": [str(one) for one in design.axes],

@@ -14,9 +14,15 @@ from ..plots import GREY, INK, new_figure, save
 from .design import Design
 from .store import read_sweep
 
-__all__ = ["draw_heat_map"]
+__all__ = ["draw_heat_map", "require_map"]
 
 _MOST = 4  # metrics beside each other
+
+
+def require_map(design: Design) -> None:
+    """Raise CurveboundError unless exactly two numeric parameters vary: before the sweep."""
+    if len(design.axes) != 2 or any(one.items for one in design.axes):
+        raise CurveboundError("A heat map needs two parameters that vary between numbers.")
 
 
 def draw_heat_map(table: Path, design: Design, metrics: Sequence[str], out: Path) -> list[Path]:
@@ -25,8 +31,7 @@ def draw_heat_map(table: Path, design: Design, metrics: Sequence[str], out: Path
     A grid is drawn as cells, a sample as points; failed points stay white, with a cross. Raises
     CurveboundError unless exactly two numeric parameters vary.
     """
-    if len(design.axes) != 2 or any(one.items for one in design.axes):
-        raise CurveboundError("A heat map needs two parameters that vary between numbers.")
+    require_map(design)
     header, rows = read_sweep(table)
     x, y = design.axes
     columns = [np.array([row[header.index(a.path)] for row in rows], dtype=float) for a in (x, y)]
