@@ -233,6 +233,9 @@ def test_newtons_law_of_slider_bob_and_whole(count: int) -> None:
             *(v["parabola.ay"], 2 * a * u * a0, 2 * a * du * du, 4 * rising * u * du),
             *(v["parabola.coefficient_acceleration"] * u * u, r * a1 * s, r * dth * dth * c),
         ]
+        # rod and parabola turn the loads of either axis into forces along the other
+        loads = [(m1 + m2) * v[f"gravity.{axis}"] for axis in "xy"]
+        loads += [v[f"{body}.f{axis}"] for body in ("slider", "pendulum") for axis in "xy"]
         for axis, parts in (("x", x_parts), ("y", y_parts)):
             slider, bob = sum(parts[:-2]), sum(parts)
             terms = [
@@ -244,7 +247,7 @@ def test_newtons_law_of_slider_bob_and_whole(count: int) -> None:
                 *((m1 + m2) * abs(part) for part in parts),
                 *(abs(out["constraint.normal_force"]), abs(out["pendulum.tension"])),
             ]
-            size = sum(map(abs, terms)) + sum(through)
+            size = sum(map(abs, [*terms, *loads])) + sum(through)
             assert abs(sum(terms)) <= 1e-12 * size
 
     holds(count, check, sampled["pendulum"])

@@ -19,7 +19,11 @@ TURN_REST: Final = 2.4492935982947064e-16
 def reduce_angle(angle: float) -> tuple[float, float]:
     """(rest, turns) with angle = rest + 2 pi turns, turns whole, rest in about [-pi, pi] (rad)."""
     rest = math.remainder(angle, TURN)  # exact: no rounding in it
-    turns = float(math.floor((angle - rest) / TURN + 0.5))
+    ahead = (angle - rest) / TURN
+    # to either side alike, also where halves are no longer told apart
+    turns = float(math.floor(math.fabs(ahead) + 0.5))
+    if ahead < 0.0:
+        turns = -turns
     return rest - turns * TURN_REST, turns
 
 
