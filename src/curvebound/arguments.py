@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
+from pathlib import Path
 
-__all__ = ["positive", "setting", "whole"]
+__all__ = ["file_of", "positive", "setting", "whole"]
 
 
 def positive(text: str) -> float:
@@ -31,6 +32,18 @@ def whole(least: int) -> Callable[[str], int]:
         if value < least:
             raise argparse.ArgumentTypeError(f"{text!r} is no whole number of {least} or more")
         return value
+
+    return parse
+
+
+def file_of(suffix: str) -> Callable[[str], Path]:
+    """A file whose name ends in `suffix`, as what is written into it is of that kind."""
+
+    def parse(text: str) -> Path:
+        path = Path(text)
+        if path.suffix.lower() != suffix:
+            raise argparse.ArgumentTypeError(f"{text!r} does not end in {suffix}")
+        return path
 
     return parse
 

@@ -9,6 +9,7 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlparse
 
 FLAGS = (
     "--headless",
@@ -70,14 +71,17 @@ class Tab:
         try:
             return bool(self.run(f"Boolean({condition})"))
         except AssertionError as error:
-            if "navigated" in str(error):  # asked between two pages: ask the next one
+            # asked between two pages: ask the next one
+            if "navigated" in str(error) or "properties of null" in str(error):
                 return False
             raise
 
     def open(self, path: Path, fragment: str = "play=0", *, ready: bool = True) -> None:
         """Open a page, and wait until it has built itself unless it is not expected to."""
         self.call("Page.navigate", url=f"{path.as_uri()}#{fragment}")
-        self.wait("document.readyState === 'complete'")
+        # the blank page before it is complete too
+        here = f"location.pathname === {json.dumps(urlparse(path.as_uri()).path)}"
+        self.wait(f"{here} && document.readyState === 'complete'")
         if ready:
             self.wait("document.documentElement.dataset.ready")
 

@@ -68,6 +68,12 @@ def test_in_the_browser(tab: Tab, gallery: Path) -> None:
     tab.open(gallery, ready=False)
     assert tab.errors == []
     assert all(url.startswith("file:") for url in tab.requests)
+    images = tab.run("document.images.length")
+    assert images > 0
+    # those below the window are loaded when they come into view
+    for i in range(images):
+        tab.run(f"document.images[{i}].scrollIntoView()")
+        tab.wait(f"document.images[{i}].complete")
     assert tab.run("[...document.images].every((image) => image.naturalWidth > 0 && image.alt)")
     tab.run("document.querySelector('nav a').click()")
     tab.wait("document.documentElement.dataset.ready")

@@ -14,6 +14,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..arguments import file_of
+
 NAME = "replay"
 HELP = "replay results in the browser, side by side"
 
@@ -34,10 +36,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--title", help="heading of the page (default: the labels)")
     parser.add_argument(
-        "--picture", type=Path, metavar="FILE.png", help="also draw a still picture"
+        "--picture", type=file_of(".png"), metavar="FILE.png", help="also draw a still picture"
     )
     parser.add_argument(
-        "--gif", type=Path, metavar="FILE.gif", help="also draw an animated picture"
+        "--gif", type=file_of(".gif"), metavar="FILE.gif", help="also draw an animated picture"
     )
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
 

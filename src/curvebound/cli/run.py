@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..arguments import file_of
 from ..cosim.command import configure as _configure
 
 NAME = "run"
@@ -30,8 +31,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         const=Path(),
         help="write an HTML page that replays the motion (default build/NAME.html)",
     )
-    parser.add_argument("--picture", metavar="FILE.png", type=Path, help="draw the motion")
-    parser.add_argument("--gif", metavar="FILE.gif", type=Path, help="an animated picture")
+    parser.add_argument(
+        "--picture", metavar="FILE.png", type=file_of(".png"), help="draw the motion"
+    )
+    parser.add_argument(
+        "--gif", metavar="FILE.gif", type=file_of(".gif"), help="an animated picture"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

@@ -198,10 +198,11 @@ class PlantEngine(Engine):
         """The message of a failed step: what, where and what to do."""
         where = f" at time {self.time!r} s in a communication step of {duration!r} s"
         if failure == TOO_MANY_STEPS:
+            size = self.tolerance_name() if self.method.CHOOSES_STEP else "solver.step"
             return (
                 f"solver.max_steps = {self.max_steps} internal steps do not reach the end{where}; "
-                f"the step size reached is {reached!r} s: raise solver.max_steps, solver.step or "
-                f"{self.tolerance_name()}, or shorten the communication step"
+                f"the step size reached is {reached!r} s: raise solver.max_steps or {size}, or "
+                "shorten the communication step"
             )
         if failure == STEP_TOO_SMALL:
             return (
