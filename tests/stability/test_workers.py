@@ -13,6 +13,7 @@ from curvebound.cli import main
 SCRIPT = """
 import os, signal, time
 from curvebound.study.stability.workers import without_interrupts, workers
+signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background ignore it
 try:
     with workers(2) as pool:
         with without_interrupts():
