@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["Tuner"]
 
 _MOST = 1e7  # communication steps of a run
+_DEARER = 1.4  # times the cost of a setting that met the bounds by far wherever it was run
 _ALL = 4  # families that are refined and timed in turn
 
 
@@ -152,8 +153,9 @@ class Tuner:
     ) -> list[Candidate]:
         """The cheapest families on the whole ensemble, until _ALL of them fit or none is left.
 
-        Where none fits, those that met the bounds at every start that was run: the errors of a
-        chaotic motion spread over so many orders that more cannot be asked of any.
+        Where none fits, or only at _DEARER times the cost, those that met them wherever they were
+        run: the errors of a chaotic motion spread over so many orders that more can hardly
+        be asked of any.
         """
         fitting: list[Candidate] = []
         likely: list[Candidate] = []
@@ -180,7 +182,10 @@ class Tuner:
             met = [c for c in seen if c.starts == members and c.seen <= 1.0]
             if met:
                 likely.append(min(met, key=lambda c: c.seen))
-        return fitting or sorted(likely, key=lambda c: c.cpu)[:_ALL]
+        safe = [c for c in likely if c.seen <= AIM]
+        least = min((c.cpu for c in safe), default=math.inf)
+        sure = [c for c in fitting if c.cpu <= _DEARER * least]
+        return sure or sorted(safe or likely, key=lambda c: c.cpu)[:_ALL]
 
     def _time(self, found: list[Candidate], tell: Callable[[str], None]) -> list[Candidate]:
         """Costs of the candidates, taken in turn so that the machine's moods fall on all alike."""
@@ -196,9 +201,9 @@ class Tuner:
     ) -> Choice:
         until = self._until(bounds)
         if not timed:
-            # known at all starts first: one that was dropped early misses by more than was seen
-            members = self.ensemble.members
-            best = min(tried, key=lambda c: (c.seen == math.inf, c.starts < members, c.seen))
+            # at more starts than the scene's own, if any was tried there
+            alone = 0 if self.ensemble.members == 1 else 1
+            best = min(tried, key=lambda c: (c.seen == math.inf, c.starts == alone, c.seen))
             return Choice(None, best, None, until, 0, advice=self._advice(best, tried))
         least = min(c.cpu for c in timed)
         # nearly the same cost: then the more accurate
