@@ -123,8 +123,9 @@ def _refuse_unverified(options: argparse.Namespace) -> None:
         "--write": options.write,
         "a PATH in --error": any(path for path, _ in options.error),
     }
-    for name in [name for name, there in given.items() if there]:
-        options.wrong(f"--verify does not take {name}: it checks bounds for what a scene needs")
+    for name, there in given.items():
+        if there:
+            options.wrong(f"--verify does not take {name}: it checks bounds for what a scene needs")
 
 
 def _tune(options: argparse.Namespace, name: str, console: Any) -> int:

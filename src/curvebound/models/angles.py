@@ -9,21 +9,23 @@ from __future__ import annotations
 import math
 from typing import Final
 
-__all__ = ["TURN", "TURN_REST", "reduce_angle", "unwind"]
+__all__ = ["TURN", "TURN_REST", "nearest_whole", "reduce_angle", "unwind"]
 
 #: 2 pi to 107 bits: TURN is the nearest float, TURN_REST what it lacks
 TURN: Final = 6.283185307179586
 TURN_REST: Final = 2.4492935982947064e-16
 
 
+def nearest_whole(x: float) -> float:
+    """x rounded to either side alike: halves, or where none are told apart, away from zero."""
+    whole = float(math.floor(math.fabs(x) + 0.5))
+    return -whole if x < 0.0 else whole
+
+
 def reduce_angle(angle: float) -> tuple[float, float]:
     """(rest, turns) with angle = rest + 2 pi turns, turns whole, rest in about [-pi, pi] (rad)."""
     rest = math.remainder(angle, TURN)  # exact: no rounding in it
-    ahead = (angle - rest) / TURN
-    # to either side alike, also where halves are no longer told apart
-    turns = float(math.floor(math.fabs(ahead) + 0.5))
-    if ahead < 0.0:
-        turns = -turns
+    turns = nearest_whole((angle - rest) / TURN)
     return rest - turns * TURN_REST, turns
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from .angles import TURN, unwind
+from .angles import TURN, nearest_whole, unwind
 from .base import Jacobian
 from .bead_base import BeadBase
 
@@ -71,7 +71,7 @@ class BeadCartesian(BeadBase):
         self.v0 = r * rate * cosine
         self.v1 = r * rate * sine
         # atan2 may round to the other side of the upward ray than the reduced angle
-        self.turns += float(math.floor((angle - math.atan2(self.q0, -self.q1)) / TURN + 0.5))
+        self.turns += nearest_whole((angle - math.atan2(self.q0, -self.q1)) / TURN)
         self.settles = True
 
     def refresh(self) -> None:
@@ -181,10 +181,7 @@ class BeadCartesian(BeadBase):
         rates = self.last_spin / (old_x * old_x + old_y * old_y) + spin / (x * x + y * y)
         old_angle = math.atan2(old_x + 0.0, -old_y)
         angle = math.atan2(x + 0.0, -y)
-        ahead = (old_angle + 0.5 * h * rates - angle) / TURN
-        # halves away from zero, to the left as to the right
-        turns = float(math.floor(abs(ahead) + 0.5))
-        self.turns += turns if ahead > 0.0 else -turns
+        self.turns += nearest_whole((old_angle + 0.5 * h * rates - angle) / TURN)
 
     def advance_frame(self, duration: float) -> None:
         if self.moving:
