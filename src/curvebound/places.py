@@ -18,7 +18,7 @@ def _data(name: str) -> Path:
 
 
 def fmus_directory() -> Path:
-    """Folder of the FMU declarations, one Python file each."""
+    """Folder of the systems that come with the package, one folder each."""
     return _data("fmus")
 
 

@@ -114,7 +114,7 @@ def test_the_guid_follows_the_content(interpreted_fmus, tmp_path) -> None:
     changed = rebuilt("model")
     # every FMU carries the whole kernel
     assert all(changed[name] != found[0][name] for name in NAMES)
-    declaration = declarations(package) / "bead_on_wire.py"
+    declaration = declarations(package) / "bead_on_wire" / "fmu.py"
     declaration.write_text(declaration.read_text().replace('"wire.radius"', '"wire.radius" '))
     again = rebuilt("declaration")
     assert again["BeadOnWire"] != changed["BeadOnWire"]

@@ -145,7 +145,7 @@ def test_the_documented_picture_is_small_and_whole(tmp_path) -> None:
     found = list(make_maps([short]))
     assert [c.duration for c in found[0][1][0].columns] == [1.0, 2.0]
     (path,) = write_compact(found, tmp_path)
-    assert path.name == "bead_on_wire_stability.svg"
+    assert path == tmp_path / "bead_on_wire" / "stability.svg"
     root = ElementTree.fromstring(path.read_text())
     assert root.tag.endswith("svg")
     assert path.stat().st_size < 4000

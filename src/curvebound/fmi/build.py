@@ -67,23 +67,23 @@ def _snake(name: str) -> str:
 
 
 def names() -> list[str]:
-    """The FMUs that can be built: one file each in fmus/."""
+    """The FMUs that can be built: one folder each in fmus/."""
     return sorted(
-        "".join(word.capitalize() for word in path.stem.split("_"))
-        for path in fmus_directory().glob("*.py")
+        "".join(word.capitalize() for word in path.parent.name.split("_"))
+        for path in fmus_directory().glob("*/fmu.py")
     )
 
 
-def _source(name: str) -> Path:
-    path = fmus_directory() / f"{_snake(name)}.py"
+def _folder(name: str) -> Path:
     if name not in names():
         raise CurveboundError(f"there is no FMU {name!r}: choose one of {', '.join(names())}")
-    return path
+    return fmus_directory() / _snake(name)
 
 
 def load_declaration(name: str) -> Fmu:
     """The declaration in fmus/ of the FMU called `name`."""
-    spec = importlib.util.spec_from_file_location(f"curvebound_fmus_{_snake(name)}", _source(name))
+    source = _folder(name) / "fmu.py"
+    spec = importlib.util.spec_from_file_location(f"curvebound_fmus_{_snake(name)}", source)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -91,8 +91,7 @@ def load_declaration(name: str) -> Fmu:
     fmu: Fmu = module.FMU
     if fmu.name != name:
         raise CurveboundError(
-            f"{_source(name).name} declares an FMU {fmu.name!r}: call it {name!r}, or rename"
-            " the file"
+            f"{source} declares an FMU {fmu.name!r}: call it {name!r}, or rename the folder"
         )
     return fmu
 
@@ -104,7 +103,8 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     bytes. Raises CurveboundError for an unknown name or a failing compiler.
     """
     began = time.perf_counter()
-    source = _source(name).read_bytes()
+    folder = _folder(name)
+    source = (folder / "fmu.py").read_bytes()
     sources = runtime()
     extensions: dict[str, bytes] = {}
     how = "interpreted (--no-compile)"
@@ -137,7 +137,7 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     files = _pack(name, f"{name}_{suffix}", texts, sources, package)
     files.update({f"resources/{path}": content for path, content in extensions.items()})
     _isolate(files, package)
-    files.update(documentation_files(load_declaration(name), fmus_directory(), _snake(name)))
+    files.update(documentation_files(load_declaration(name), folder))
     if forwarder:
         binary = f"binaries/linux64/{name}.so"
         files["binaries/linux64/pythonfmu-export.so"] = files[binary]

@@ -1,4 +1,4 @@
-"""How an FMU's variables are written down: the vocabulary of the files in fmus/.
+"""How an FMU's variables are written down: the vocabulary of fmus/NAME/fmu.py.
 
 Value references count the variables of an FMU in the order parameters, choices, integer parameters,
 inputs, outputs, integer outputs, whatever the order of their declaration.

@@ -32,9 +32,9 @@ svg, img { max-width: 100%; height: auto; }
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 
 
-def documentation_files(fmu: Fmu, folder: Path, stem: str) -> dict[str, bytes]:
-    """Path in the FMU -> content; `folder` holds the declaration, its icon STEM.png, if any, and
-    pictures STEM_NAME.svg that its documentation shows as NAME.svg."""
+def documentation_files(fmu: Fmu, folder: Path) -> dict[str, bytes]:
+    """Path in the FMU -> content; `folder` holds the declaration and, if any, its icon.png and the
+    pictures *.svg that its documentation shows."""
     result = reference_result(fmu)
     files = {
         "documentation/index.html": _page(fmu, result).encode(),
@@ -43,11 +43,11 @@ def documentation_files(fmu: Fmu, folder: Path, stem: str) -> dict[str, bytes]:
     }
     if len(result.inputs) > 1:
         files["documentation/reference_inputs.csv"] = csv_text(result.inputs).encode()
-    icon = folder / f"{stem}.png"
+    icon = folder / "icon.png"
     if icon.is_file():
         files["model.png"] = icon.read_bytes()
-    for picture in sorted(folder.glob(f"{stem}_*.svg")):
-        files[f"documentation/{picture.name[len(stem) + 1 :]}"] = picture.read_bytes()
+    for picture in sorted(folder.glob("*.svg")):
+        files[f"documentation/{picture.name}"] = picture.read_bytes()
     return files
 
 

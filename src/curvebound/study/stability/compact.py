@@ -23,7 +23,7 @@ _INK, _GREY = "#1b222c", "#5b6675"
 def write_compact(
     found: Sequence[tuple[Request, Sequence[StabilityMap]]], folder: Path
 ) -> list[Path]:
-    """Write STEM_stability.svg for each FMU of the catalogue's maps; STEM is that of its file."""
+    """Write NAME/stability.svg for each FMU of the catalogue's maps; NAME is that of its folder."""
     by_fmu: dict[str, list[tuple[Named, Sequence[StabilityMap]]]] = {}
     for request, maps in found:
         if isinstance(request, Named):
@@ -34,7 +34,7 @@ def write_compact(
         text = _picture(own)
         paths.append(
             write_whole(
-                folder / f"{stem}_stability.svg",
+                folder / stem / "stability.svg",
                 lambda out, text=text: out.write_text(text, encoding="utf-8"),  # type: ignore[misc]
             )
         )
