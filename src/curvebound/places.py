@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from pathlib import Path
 
-__all__ = ["cache_directory", "fmus_directory", "license_text", "scenarios_directory"]
+__all__ = ["fmus_directory", "license_text", "scenarios_directory"]
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -32,17 +30,3 @@ def license_text() -> str:
     packed = _PACKAGE / "_LICENSE"
     path = packed if packed.is_file() else _PACKAGE.parents[1] / "LICENSE"
     return path.read_text(encoding="utf-8")
-
-
-def cache_directory() -> Path:
-    """Folder for what can be made again (compiled kernels); CURVEBOUND_CACHE overrides it."""
-    chosen = os.environ.get("CURVEBOUND_CACHE")
-    if chosen:
-        return Path(chosen)
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "curvebound"

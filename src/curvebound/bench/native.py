@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import math
 import os
 import shutil
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
+from .. import cache
 from ..errors import CurveboundError
-from ..places import cache_directory
+from ..fmi.compile import compiler_parts
 
 __all__ = [
     "FLAGS",
@@ -49,27 +48,20 @@ def compiler() -> str:
 def shared_library(source: str, *definitions: str) -> Path:
     """Compile `source` of bench/c with -D`definitions`; cached by content, flags and compiler."""
     command = [compiler(), *FLAGS, *(f"-D{text}" for text in definitions)]
-    digest = hashlib.sha256("\0".join(command).encode())
-    for path in sorted(SOURCES.iterdir()):
-        if path.suffix in {".c", ".h"}:
-            digest.update(path.read_bytes())
-    suffix = ".dll" if sys.platform == "win32" else ".so"
-    target = cache_directory() / "bench" / f"{Path(source).stem}-{digest.hexdigest()[:16]}{suffix}"
-    if target.exists():
-        return target
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
-        half = Path(folder) / target.name
+    name = Path(source).stem + (".dll" if sys.platform == "win32" else ".so")
+
+    def make(folder: Path) -> None:
         done = subprocess.run(
-            [*command, str(SOURCES / source), "-o", str(half), "-lm"],
+            [*command, str(SOURCES / source), "-o", str(folder / name), "-lm"],
             capture_output=True,
             text=True,
             check=False,
         )
         if done.returncode:
             raise CurveboundError(f"{command[0]} failed on {source}:\n{done.stderr.strip()}")
-        os.replace(half, target)
-    return target
+
+    parts = [source, *command, cache.sources(SOURCES, Path(__file__)), *compiler_parts()]
+    return cache.entry("bench", parts, make) / name
 
 
 class State(ctypes.Structure):

@@ -344,10 +344,9 @@ def _locate(source: str | Path, folder: Path | None) -> Path:
 @functools.cache
 def _built(name: str) -> Path:
     """One of our FMUs, built; once in a process, as its sources do not change under it."""
-    from ..fmi.build import build
-    from ..places import cache_directory
+    from ..fmi.cached import cached_fmu
 
-    return Path(build(name, cache_directory() / "fmus").path)
+    return cached_fmu(name)
 
 
 def _units_differ(a: Variable, b: Variable) -> bool:

@@ -1,9 +1,7 @@
-"""Compiling the kernel with mypyc, cached by content hash, interpreter and platform."""
+"""Compiling the kernel with mypyc; what was compiled is kept in the cache."""
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import importlib
 import os
 import shutil
@@ -11,24 +9,24 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None  # type: ignore[assignment]
-
+from .. import cache
 from ..errors import CurveboundError
-from ..places import cache_directory
 from .runtime import Runtime, runtime
 
-__all__ = ["compile_kernel", "compiled_kernel", "compiler", "why_not"]
+__all__ = ["compile_kernel", "compiled_kernel", "compiler", "compiler_parts", "why_not"]
 
 # -ffp-contract=off: a fused multiply-add would give other bits than the interpreter
 _FLAGS = "-O2 -g0 -ffp-contract=off -fno-semantic-interposition -w"
+
+#: variables that C compilers, and setuptools for them, heed
+_HEEDED = (
+    *("CC", "CPPFLAGS", "LDFLAGS", "LDSHARED", "ARCHFLAGS", "MACOSX_DEPLOYMENT_TARGET"),
+    *("CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "GCC_EXEC_PREFIX", "COMPILER_PATH"),
+)
 
 _SCRIPT = """
 import sys
@@ -63,20 +61,14 @@ def why_not() -> str:
     return ""
 
 
-def _cache(sources: Runtime) -> Path:
-    key = hashlib.sha256(
-        "\0".join(
-            (
-                sources.package(compiled=True),
-                sys.implementation.cache_tag or sys.version,
-                sysconfig.get_platform(),
-                version("mypy"),
-                _FLAGS,
-                str(compiler()),
-            )
-        ).encode()
-    ).hexdigest()[:16]
-    return cache_directory() / "kernels" / key
+def compiler_parts() -> list[str]:
+    """What the files that the C compiler makes depend on besides their sources and its flags."""
+    found = compiler()
+    parts = [sys.version, sysconfig.get_platform(), str(found)]
+    if found is not None:
+        status = os.stat(found)
+        parts.append(f"{os.path.realpath(found)} {status.st_size} {status.st_mtime_ns}")
+    return parts + [f"{name}={os.environ.get(name)}" for name in _HEEDED]
 
 
 def compile_kernel(sources: Runtime) -> dict[str, bytes]:
@@ -90,38 +82,25 @@ def compile_kernel(sources: Runtime) -> dict[str, bytes]:
             f"the kernel cannot be compiled: {missing}; install a C compiler and Python's headers, "
             "or build with --no-compile"
         )
-    cache = _cache(sources)
-    if not cache.is_dir():
-        cache.parent.mkdir(parents=True, exist_ok=True)
-        with _alone(cache.with_suffix(".lock")):
-            if not cache.is_dir():
-                _compile_into(cache, sources)
+    parts = [
+        sources.package(compiled=True),
+        cache.sources(Path(__file__)),
+        *(version(name) for name in ("mypy", "setuptools")),
+        *compiler_parts(),
+    ]
+    folder = cache.entry("kernels", parts, lambda to: _compile_into(to, sources))
     return {
-        path.relative_to(cache).as_posix(): path.read_bytes()
-        for path in sorted(cache.rglob("*"))
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
         if path.suffix in (".so", ".pyd")
     }
 
 
-@contextlib.contextmanager
-def _alone(path: Path) -> Iterator[None]:
-    """Let other processes that want the same kernel wait for this one instead of compiling it too.
-
-    Without file locks (Windows) they compile side by side, which costs time only.
-    """
-    if fcntl is None:
-        yield
-        return
-    with path.open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
-
-
-def _compile_into(cache: Path, sources: Runtime) -> None:
-    """Compile in a scratch folder and move the result to `cache` in one rename."""
+def _compile_into(folder: Path, sources: Runtime) -> None:
+    """Compile, and leave the extension modules in `folder`."""
     name = sources.package(compiled=True)
-    scratch = Path(tempfile.mkdtemp(prefix="compile-", dir=cache.parent))
-    try:
+    with tempfile.TemporaryDirectory(prefix="curvebound-compile-") as place:
+        scratch = Path(place)
         sources.write(scratch, name)
         # The package's own __init__ imports the slave, which is neither compiled nor checked here.
         (scratch / name / "__init__.py").write_bytes(b"")
@@ -140,20 +119,12 @@ def _compile_into(cache: Path, sources: Runtime) -> None:
                 f"compiling the kernel failed (exit status {done.returncode}); "
                 f"build with --no-compile, or mend the compiler:\n{tail}"
             )
-        finished = scratch / "finished"
-        for path in list(scratch.rglob("*")):
+        for path in scratch.rglob("*"):
             relative = path.relative_to(scratch)
-            if path.suffix in (".so", ".pyd") and relative.parts[0] not in ("build", "finished"):
-                target = finished / relative
+            if path.suffix in (".so", ".pyd") and relative.parts[0] != "build":
+                target = folder / relative
                 target.parent.mkdir(parents=True, exist_ok=True)
-                path.rename(target)
-        try:
-            finished.rename(cache)
-        except OSError:
-            if not cache.is_dir():  # else another process was faster, with the same result
-                raise
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+                shutil.move(path, target)
 
 
 def compiled_kernel() -> ModuleType:

@@ -6,7 +6,6 @@ cached by content. The same compiler gives the same bytes.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import platform
 import subprocess
@@ -15,8 +14,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..places import cache_directory
-from .compile import compiler
+from .. import cache
+from .compile import compiler, compiler_parts
 
 __all__ = ["SOURCE", "compile_forwarder", "compile_source", "why_not"]
 
@@ -33,6 +32,7 @@ _FLAGS = (
 )
 _LIBRARIES = ("-Wl,--no-as-needed", "-l:libdl.so.2")
 
+_NAME = "forward.so"
 _failure = ""
 
 
@@ -56,20 +56,15 @@ def compile_forwarder() -> Path | None:
     _failure = ""
     if why_not():
         return None
-    command = str(compiler())
     try:
-        about = subprocess.run([command, "--version"], capture_output=True, check=True).stdout
-        parts = (SOURCE.read_bytes(), about, " ".join((*_FLAGS, *_LIBRARIES)).encode())
-        key = hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
-        library = cache_directory() / "forwarders" / f"{key}.so"
-        if not library.is_file():
-            compile_source(library)
+        parts = [cache.sources(SOURCE, Path(__file__)), *compiler_parts()]
+        folder = cache.entry("forwarders", parts, lambda to: compile_source(to / _NAME))
     except (OSError, subprocess.CalledProcessError) as error:
         detail = getattr(error, "stderr", b"") or b""
         text = detail.decode(errors="replace").strip() or str(error)
         _failure = f"compiling {SOURCE.name} failed: {text}"
         return None
-    return library
+    return folder / _NAME
 
 
 def compile_source(library: Path, extra: Sequence[str] = ()) -> None:

@@ -19,9 +19,9 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from ..cache import cache_directory
 from ..errors import CurveboundError
 from ..files import write_whole
-from ..places import cache_directory
 from .equations import Array
 from .monolith import Monolith, Value
 
