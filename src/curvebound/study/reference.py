@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from .collocation import NOISE, Trajectory, collocate
 from .equations import Array, system_of
 from .extrapolation import extrapolate
-from .kept import keep, key_of, load
 from .monolith import Monolith, Value, _Inputs
+from .reference_cache import kept, question
 
 if TYPE_CHECKING:
     from ..cosim.system import System
@@ -85,7 +85,7 @@ def refer(
     continuous: whether control laws and input functions act all the time, see monolith.
     progress: called now and then with the share done.
     Raises CurveboundError for a component without equations or a motion that ends in between.
-    References are kept on disk, see kept.py.
+    References are kept on disk, see reference_cache.py.
     """
     end = system.scene.stop_time if stop is None else stop
     begin = system.scene.start_time
@@ -95,12 +95,26 @@ def refer(
             progress(share)
 
     own = Monolith(system, changes, continuous=continuous)
-    key = key_of(system, paths, end, changes, continuous)
-    known = load(key, own)
-    if known is not None:
-        trajectory = Trajectory.of_arrays(known)
-        doubts = {path: known[f"uncertainty {path}"] for path in paths}
-        return Reference(own, trajectory, paths, known["checks"], doubts, str(known["how"]))
+
+    def compute() -> dict[str, Array]:
+        return _compute(own, paths, begin, end, changes, tell)
+
+    known = kept(question(system, paths, end, changes, continuous), own, compute)
+    doubts = {path: known[f"uncertainty {path}"] for path in paths}
+    trajectory = Trajectory.of_arrays(known)
+    return Reference(own, trajectory, paths, known["checks"], doubts, str(known["how"]))
+
+
+def _compute(
+    own: Monolith,
+    paths: Sequence[str],
+    begin: float,
+    end: float,
+    changes: Mapping[str, Value] | None,
+    tell: Callable[[float], None],
+) -> dict[str, Array]:
+    """Both computations: the trajectory's arrays, `checks`, `how` and `uncertainty PATH`."""
+    system, continuous = own.system, own.continuous
     nodes = 9 if own.is_sampled else 14
     trajectory, checks, _ = _collocated(own, begin, end, nodes, lambda x: tell(0.5 * x))
     exact_at, exact = _closed_form(system, own, changes, continuous, begin, end)
@@ -123,11 +137,8 @@ def refer(
         witness = other.observe(paths, np.array(checks), states)
         how += " on Cartesian coordinates with multipliers"
     values = own.observe(paths, np.array(checks), trajectory.states(checks))
-    doubts = {path: _doubt(values[path], witness[path]) for path in paths}
-    kept = {f"uncertainty {path}": doubt for path, doubt in doubts.items()}
-    kept |= {**trajectory.arrays(), "checks": np.array(checks), "how": np.array(how)}
-    keep(key, own, kept)
-    return Reference(own, trajectory, paths, checks, doubts, how)
+    doubts = {f"uncertainty {path}": _doubt(values[path], witness[path]) for path in paths}
+    return {**doubts, **trajectory.arrays(), "checks": np.array(checks), "how": np.array(how)}
 
 
 def _doubt(values: Array, witness: Array) -> Array:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import Scene, load_scene
-from curvebound.study import reference
-from curvebound.study.kept import key_of
+from curvebound.study import reference, reference_cache
 from curvebound.study.reference import refer
+from curvebound.study.reference_cache import question
 
 pytest.importorskip("mpmath")
 PATHS = ["plant.slider.u", "drive.parabola.ax"]
@@ -50,7 +50,7 @@ def test_a_cache_that_can_only_be_read_serves(fresh: Path, monkeypatch: pytest.M
     def refuse(path: Path) -> None:
         raise PermissionError
 
-    monkeypatch.setattr("curvebound.study.kept.os.utime", refuse)
+    monkeypatch.setattr("curvebound.cache.os.utime", refuse)
     monkeypatch.setattr(reference, "collocate", None)  # it cannot be computed again
     again = refer(system, PATHS)
     assert np.array_equal(first.values([0.05])[PATHS[0]], again.values([0.05])[PATHS[0]])
@@ -59,7 +59,7 @@ def test_a_cache_that_can_only_be_read_serves(fresh: Path, monkeypatch: pytest.M
 def test_a_file_that_was_cut_short_is_made_again(fresh: Path) -> None:
     system = short(0.05).check()
     first = refer(system, PATHS)
-    (file,) = fresh.glob("*.npz")
+    (file,) = fresh.glob("*/*.npz")
     file.write_bytes(file.read_bytes()[:1000])
     again = refer(system, PATHS)
     assert np.array_equal(first.values([0.05])[PATHS[0]], again.values([0.05])[PATHS[0]])
@@ -80,7 +80,7 @@ def test_a_file_that_was_cut_short_is_made_again(fresh: Path) -> None:
 def test_another_question_has_another_key(change: dict[str, Any]) -> None:
     system = short().check()
     asked = {"paths": PATHS, "stop": 0.3, "changes": {}, "continuous": False}
-    assert key_of(system, **asked) != key_of(system, **{**asked, **change})
+    assert question(system, **asked) != question(system, **{**asked, **change})
 
 
 @pytest.mark.parametrize("path", ["plant.slider.u_start", "drive.feedback.slider_u"])
@@ -90,5 +90,41 @@ def test_another_scene_has_another_key_but_another_solver_has_not(path: str) -> 
         scene = short()
         for name, value in changes.items():
             scene.set(name, value)
-        keys.append(key_of(scene.check(), PATHS, 0.3, None, False))
+        keys.append(question(scene.check(), PATHS, 0.3, None, False))
     assert keys[0] == keys[2] != keys[1]
+
+
+def pulse(begin: float) -> Any:
+    def push(t: float) -> float:
+        return 4.0 if begin <= t < begin + 1e-6 else 0.0
+
+    return push
+
+
+TABLES = [([0.0, 0.1, 0.1 + h, 0.3], [0.0, 0.0, 1.0, 0.0]) for h in (1e-9, 2e-9)]
+
+
+@pytest.mark.parametrize(
+    "signals", [[pulse(0.1), pulse(0.10001)], TABLES], ids=["function", "table"]
+)
+def test_signals_that_differ_between_all_samples_have_other_keys(signals: list[Any]) -> None:
+    keys = []
+    for signal in (*signals, signals[0]):
+        scene = short()
+        scene.input("plant.pendulum.fx", signal)
+        keys.append(question(scene.check(), PATHS, 0.3, None, True))
+    assert keys[0] == keys[2] != keys[1]
+
+
+def test_the_code_of_a_reference_is_all_that_it_imports(tmp_path: Path) -> None:
+    seen = set()
+
+    def watch(*paths: Path) -> str:
+        seen.update(path.name for path in paths)
+        return ""
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reference_cache.cache, "sources", watch)
+        reference_cache._code.__wrapped__()
+    assert {"reference.py", "monolith.py", "extrapolation.py", "parabola_pendulum.py"} <= seen
+    assert "tune.py" not in seen
