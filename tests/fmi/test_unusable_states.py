@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from curvebound.fmi.build import load_declaration
+from curvebound.fmi.folder import load_declaration
 from curvebound.fmi.slave import table_of
 
 

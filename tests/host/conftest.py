@@ -17,8 +17,9 @@ import pytest
 from pythonfmu.builder import FmuBuilder
 
 from curvebound.fmi import forwarding
-from curvebound.fmi.build import build, names
+from curvebound.fmi.build import build
 from curvebound.fmi.compile import compiler
+from curvebound.fmi.folder import names
 
 HERE = Path(__file__).parent
 PLAIN = {"PATH": "/usr/bin:/bin"}

@@ -17,7 +17,8 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 from curvebound.fmi import forwarding
-from curvebound.fmi.build import build, names
+from curvebound.fmi.build import build
+from curvebound.fmi.folder import names
 
 HERE = Path(__file__).parent
 TOOLS = Path(

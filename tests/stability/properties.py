@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from curvebound.cosim.prepared import Prepared
 from curvebound.cosim.results import RunFailed
 from curvebound.cosim.scene import Scene
-from curvebound.fmi.build import load_declaration
 from curvebound.fmi.declaration import CHOICE, COUNT, INPUT, OUTPUT, PARAMETER, Variable
+from curvebound.fmi.folder import load_declaration
 from curvebound.study.stability.kernels import kernel_of
 from curvebound.study.stability.ranges import SYSTEMS
 

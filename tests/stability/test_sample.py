@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from curvebound.bench.references import REFERENCES
-from curvebound.fmi.build import load_declaration
 from curvebound.fmi.declaration import INPUT, PARAMETER
+from curvebound.fmi.folder import load_declaration
 from curvebound.study.stability import motion, sample
 from curvebound.study.stability.characteristic import LONGEST, exact
 from curvebound.study.stability.kernels import kernel_of

@@ -6,8 +6,16 @@ import numpy as np
 import pytest
 from motions import bead, pendulum, renamed, table, without
 
-from curvebound.view.actors import find_actors, missing, split_name
+from curvebound.fmi.folder import shipped_drawings
+from curvebound.view import actors
+from curvebound.view.actors import Actor, drawings_of, split_name
 from curvebound.view.geometry import box_of, common_samples, distances, follows_frame
+
+KNOWN = shipped_drawings()
+
+
+def find_actors(data: np.ndarray) -> list[Actor]:
+    return actors.find_actors(data, drawings_of(data, KNOWN, {}))
 
 
 def test_names() -> None:
@@ -21,9 +29,9 @@ def test_names() -> None:
 def test_a_bead_under_any_component_and_none(prefix: str) -> None:
     data = renamed(bead(1.0, 0.01, radius=2.5), lambda name: name.replace("bead.", prefix, 1))
     (actor,) = find_actors(data)
-    assert (actor.kind, actor.prefix) == ("bead", prefix)
+    assert (actor.kind, actor.prefix) == ("BeadOnWire", prefix)
     assert actor.size == pytest.approx(2.5, rel=1e-12)
-    assert np.array_equal(actor.places["body_x"], data[f"{prefix}bead.x"])
+    assert np.array_equal(actor.places["bead x"], data[f"{prefix}bead.x"])
 
 
 def test_the_drift_does_not_count_towards_the_radius() -> None:
@@ -35,41 +43,45 @@ def test_the_drift_does_not_count_towards_the_radius() -> None:
 def test_a_pendulum_and_not_the_controller_that_measures_it() -> None:
     data = pendulum(1.0, 0.01, a=-0.8, length=0.7, push=1.0)
     (actor,) = find_actors(data)
-    assert (actor.kind, actor.prefix) == ("pendulum", "plant.")
+    assert (actor.kind, actor.prefix) == ("ParabolaPendulum", "plant.")
     assert actor.size == pytest.approx(0.7, rel=1e-12)
-    assert actor.places["coefficient"][0] == -0.8
+    assert actor.places["parabola.coefficient"][0] == -0.8
     alone = without(data, *(name for name in data.dtype.names if name.startswith("plant.")))
-    assert [actor.kind for actor in find_actors(alone)] == ["pendulum"]
+    assert [actor.kind for actor in find_actors(alone)] == ["ParabolaPendulum"]
 
 
 def test_places_from_coordinates_alone() -> None:
     full = pendulum(1.0, 0.01, push=2.0)
     names = ("time", "plant.slider.u", "plant.pendulum.angle", "plant.parabola.x")
     (actor,) = find_actors(table({name: full[name] for name in names}))
-    for place, name in (("body_x", "slider.x"), ("body_y", "slider.y"), ("bob_y", "pendulum.y")):
+    for place, name in (
+        ("slider x", "slider.x"),
+        ("slider y", "slider.y"),
+        ("bob y", "pendulum.y"),
+    ):
         assert np.abs(actor.places[place] - full[f"plant.{name}"]).max() < 1e-12
     assert len(actor.notes) == 2, "the sizes that were assumed are told"
 
     full = bead(1.0, 0.01, radius=2.0)
     (actor,) = find_actors(table({"time": full["time"], "bead.angle": full["bead.bead.angle"]}))
-    assert np.abs(actor.places["body_x"] * 2.0 - full["bead.bead.x"]).max() < 1e-12
+    assert np.abs(actor.places["bead x"] * 2.0 - full["bead.bead.x"]).max() < 1e-12
     assert "radius" in actor.notes[0]
 
 
 def test_the_coefficient_from_positions() -> None:
     data = without(pendulum(1.0, 0.01, a=1.7, push=1.0), "plant.parabola.coefficient")
-    assert find_actors(data)[0].places["coefficient"] == pytest.approx(1.7, rel=1e-12)
+    assert find_actors(data)[0].places["parabola.coefficient"] == pytest.approx(1.7, rel=1e-12)
 
 
 def test_two_bodies_in_one_result() -> None:
     one, two = bead(1.0, 0.01), pendulum(1.0, 0.01)
     both = {name: one[name] for name in one.dtype.names}
     both |= {name: two[name] for name in two.dtype.names}
-    assert [actor.kind for actor in find_actors(table(both))] == ["bead", "pendulum"]
+    assert [actor.kind for actor in find_actors(table(both))] == ["BeadOnWire", "ParabolaPendulum"]
 
 
 def test_what_is_missing_is_said() -> None:
-    said = missing(table({"time": [0.0], "bead.x": [1.0]}))
+    said = actors.missing(table({"time": [0.0], "bead.x": [1.0]}), KNOWN)
     assert "bead.x and bead.y or bead.angle; bead.y missing" in said
     assert "slider.u" in said
     assert find_actors(table({"time": [0.0], "bead.x": [1.0]})) == []
@@ -127,3 +139,21 @@ def test_a_frame_that_travels_is_followed() -> None:
     assert follows_frame(find_actors(data))
     box = box_of(find_actors(data), relative=True)
     assert box[2] - box[0] < 4.0
+
+
+def test_columns_of_another_system_are_not_taken_for_one_that_is_known() -> None:
+    """A bead on a parabola is not drawn on a circle."""
+    data = bead(1.0, 0.01)
+    foreign = table({"time": data["time"], "p.bead.x": data["bead.bead.x"],
+                     "p.bead.y": data["bead.bead.y"], "p.track.slope": data["time"]})  # fmt: skip
+    assert find_actors(foreign) == []
+
+
+def test_a_run_tells_its_drawing_and_sizes() -> None:
+    """The radius comes from the run: from a start at 3 m on a circle of 2 m no column tells it."""
+    data = bead(1.0, 0.01, radius=3.0)
+    drawing = next(one for one in KNOWN if one.name == "BeadOnWire")
+    own = drawing._replace(values={**drawing.values, "wire.radius": 2.0}, known=True)
+    (actor,) = actors.find_actors(data, drawings_of(data, [], {"bead": own}))
+    assert actor.size == 2.0
+    assert actor.notes == ()

@@ -76,7 +76,7 @@ def test_contrast(theme: str) -> None:
         assert contrast(colours["ink"], colours[ground]) > 7
         assert contrast(colours["muted"], colours[ground]) > 4.5
     assert contrast(colours["accent"], colours["on-accent"]) > 4.5
-    assert contrast(colours["wire"], colours["paper"]) > 3
+    assert contrast(colours["curve"], colours["paper"]) > 3
     for number in range(8):
         assert contrast(colours[f"result-{number}"], colours["paper"]) > 3, number
 

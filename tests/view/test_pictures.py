@@ -12,7 +12,7 @@ from PIL import Image
 
 from curvebound.errors import CurveboundError
 from curvebound.view import write_gif, write_picture
-from curvebound.view.drawing import palette
+from curvebound.view.stage import palette
 
 
 def colours(picture: Image.Image) -> set[str]:

@@ -1,35 +1,44 @@
-"""The words and units of the plots are those of the FMUs."""
+"""Words, units and plots are those of the drawings."""
 
 from __future__ import annotations
 
 import pytest
 
-from curvebound.fmi.build import load_declaration, names
-from curvebound.view.quantities import PLOTS, QUANTITIES, READOUTS, quantity
+from curvebound.fmi.drawing import Drawing, Plot
+from curvebound.fmi.folder import load_declaration, load_drawing, names
+from curvebound.view.quantities import plots_of, quantity, readouts_of
 
 
 @pytest.mark.parametrize("fmu", names())
 def test_units_are_those_that_the_fmus_declare(fmu: str) -> None:
-    known = [v for v in load_declaration(fmu).variables if v.name in QUANTITIES]
-    assert len(known) > 5
-    for variable in known:
-        assert (variable.name, quantity(variable.name).unit) == (variable.name, variable.unit)
+    drawing = load_drawing(fmu)
+    for variable in load_declaration(fmu).variables:
+        if variable.type is None:
+            assert quantity(variable.name, drawing).unit == variable.unit
 
 
-def test_every_output_has_words_and_a_plot() -> None:
-    outputs = {
-        v.name for fmu in names() for v in load_declaration(fmu).variables if "output" in v.kind
-    }
-    plotted = {name for plot in PLOTS for name in plot.names}
-    assert outputs <= set(QUANTITIES)
-    assert outputs <= plotted
-
-
-def test_plots_are_of_one_unit_and_named_once() -> None:
-    for plot in PLOTS:
-        assert len({quantity(name).unit for name in plot.names}) == 1, plot.title
-    titles = [plot.title for plot in PLOTS]
+@pytest.mark.parametrize("fmu", names())
+def test_every_output_has_one_plot_of_one_unit(fmu: str) -> None:
+    drawing = load_drawing(fmu)
+    plotted = [name for plot in drawing.plots for name in plot.names]
+    assert set(drawing.outputs) <= set(plotted)
+    assert len(set(plotted)) == len(plotted)
+    for plot in drawing.plots:
+        assert len({drawing.units[name] for name in plot.names}) == 1, plot.title
+    titles = [plot.title for plot in drawing.plots]
     assert len(set(titles)) == len(titles)
-    named = [name for plot in PLOTS for name in plot.names]
-    assert len(set(named)) == len(named)
-    assert set(READOUTS) <= set(QUANTITIES)
+
+
+def test_plots_of_one_title_are_united_and_keep_both_orders() -> None:
+    one = Drawing(plots=tuple(Plot(title, (f"a.{title}",)) for title in "ABDE"))
+    two = Drawing(plots=tuple(Plot(title, (f"b.{title}",)) for title in "BCE"))
+    united = plots_of([one, two])
+    assert [plot.title for plot in united] == ["A", "B", "C", "D", "E"]
+    assert united[1].names == ("a.B", "b.B")
+    drawings = [Drawing(readouts=("x", "z")), Drawing(readouts=("x", "y", "z"))]
+    assert readouts_of(drawings) == ["x", "y", "z"]
+
+
+def test_an_unknown_variable_names_itself() -> None:
+    told = quantity("engine.speed", load_drawing("BeadOnWire"))
+    assert (told.label, told.unit, told.error) == ("engine.speed", "", False)

@@ -50,7 +50,7 @@ def test_bodies_of_two_kinds_in_one_page(tmp_path: Path) -> None:
     two = write_csv(pendulum(1.0, 0.01), tmp_path / "pendulum.csv")
     assert main(["replay", str(one), str(two)]) == 0
     found = model(tmp_path / "bead.html")
-    assert [actor["kind"] for actor in found["actors"]] == ["bead", "pendulum"]
+    assert [actor["kind"] for actor in found["actors"]] == ["BeadOnWire", "ParabolaPendulum"]
     assert not any(plot["title"].startswith("Distance") for plot in found["plots"])
 
 

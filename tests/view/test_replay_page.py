@@ -151,7 +151,7 @@ def test_a_bead_is_drawn_where_the_data_says(
         found = [value / ratio for value in middle(tab, "actors[0]")]
         assert away(camera, found, BEAD["bead.bead.x"][i], BEAD["bead.bead.y"][i]) < 1.5
     # The mapping itself, held against the wire: its extent in pixels is twice the radius.
-    _, _, _, left, right, high, low = (value / ratio for value in middle(tab, "wire"))
+    _, _, _, left, right, high, low = (value / ratio for value in middle(tab, "curve"))
     assert right - left == pytest.approx(2 * camera["scale"], abs=4)
     assert low - high == pytest.approx(2 * camera["scale"], abs=4)
     assert (left + right) / 2 == pytest.approx(camera["left"], abs=1.5)
@@ -167,7 +167,7 @@ def test_slider_and_bob_are_drawn_where_the_data_says(
     tab.run("curvebound.scene.trail = 0")
     for i in random.Random(1).sample(range(len(DRIVEN)), 5):
         camera = show(tab, float(DRIVEN["time"][i]))
-        for colour, name in (("actors[0]", "slider"), ("bobs[0]", "pendulum")):
+        for colour, name in (("actors[0]", "slider"), ("tints[0]", "pendulum")):
             x, y = DRIVEN[f"plant.{name}.x"][i], DRIVEN[f"plant.{name}.y"][i]
             assert away(camera, middle(tab, colour), x, y) < 1.5
 
@@ -187,7 +187,7 @@ def test_samples_survive_the_journey(tab: Tab, pages: dict[str, Path]) -> None:
     model = tab.run("curvebound.model")
     assert np.abs(values(tab, model["results"][0]["time"]) - LONG["time"]).max() < 1e-9
     for actor, data in zip(model["actors"], (LONG, DRIFTING), strict=True):
-        x = values(tab, actor["places"]["body_x"])
+        x = values(tab, actor["places"]["bead x"])
         assert np.abs(x - data["bead.bead.x"]).max() < 2e-7
     apart = np.hypot(
         LONG["bead.bead.x"] - DRIFTING["bead.bead.x"],

@@ -43,8 +43,8 @@ def test_scene(tab: Tab, tmp_path: Path, name: str) -> None:
     )
     for i in (0, len(data) // 3, len(data) - 1):
         camera = show(tab, float(data["time"][i]))
-        for colour, body in ((f"actors[{number}]", "slider"), (f"bobs[{number}]", "pendulum")):
-            if actors[number] == "bead":
+        for colour, body in ((f"actors[{number}]", "slider"), (f"tints[{number}]", "pendulum")):
+            if actors[number] == "BeadOnWire":
                 colour, body = f"actors[{number}]", "bead"
             column = f"{prefixes[-1]}.{body}."
             found = middle(tab, colour)

@@ -46,8 +46,8 @@ def method_items() -> dict[str, int]:
 
 def defaults(name: str) -> tuple[dict[str, float], dict[str, int]]:
     """Start values of the Real parameters and of the choices of an FMU."""
-    from ..fmi.build import load_declaration
     from ..fmi.declaration import CHOICE, COUNT_PARAMETER, PARAMETER
+    from ..fmi.folder import load_declaration
 
     variables = load_declaration(name).variables
     return (

@@ -34,7 +34,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Build and say in one line per FMU what was done."""
-    from ..fmi.build import build, names
+    from ..fmi.build import build
+    from ..fmi.folder import names
 
     for name in options.name or names():
         if options.cross_check is not None:

@@ -36,7 +36,8 @@ def run(options: argparse.Namespace) -> int:
     from rich.text import Text
 
     from ..cosim import RunFailed, load_scene, scene_names
-    from ..fmi.build import build, names
+    from ..fmi.build import build
+    from ..fmi.folder import names
 
     console = Console(highlight=False)
     out: Path = options.out
@@ -101,8 +102,8 @@ def _gallery(results: list[tuple[Scene, Result]], out: Path) -> Path:
     for scene, result in results:
         picture: Path | None = None
         with suppress(CurveboundError):
-            picture = write_picture(result.data, out / f"{scene.name}.png", title=scene.name)
-        replay = write_replay([(scene.name, result.data)], out / f"{scene.name}.html")
+            picture = write_picture(result, out / f"{scene.name}.png", title=scene.name)
+        replay = write_replay([(scene.name, result)], out / f"{scene.name}.html")
         cards.append(
             Card(
                 scene.name,
@@ -135,7 +136,7 @@ def _settings(scene: Scene) -> dict[str, str]:
 
 def _measures(scene: Scene) -> list[str]:
     """What the table shows, by path, where a component has it."""
-    from ..fmi.build import load_declaration
+    from ..fmi.folder import load_declaration
 
     wanted = ("solver.steps", "energy.residual", "constraint.drift")
     return [

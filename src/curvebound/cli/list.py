@@ -27,7 +27,7 @@ def run(options: argparse.Namespace) -> int:
     from rich.table import Table
 
     from ..cosim import load_scene, scene_names
-    from ..fmi.build import load_declaration, names
+    from ..fmi.folder import load_declaration, names
 
     console = Console(highlight=False)
     if not options.name:

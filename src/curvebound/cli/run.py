@@ -46,18 +46,17 @@ def run(options: argparse.Namespace) -> int:
 
     scene = load_scene(options.scene)
     results = run_all(scene, options, summarize)
-    shown = [(label, result.data) for label, result in results]
     if options.replay is not None:
         from ..view.replay import write_replay
 
         out = options.replay if options.replay.name else Path("build", f"{scene.name}.html")
-        print(write_replay(shown, out, title=scene.name))
+        print(write_replay(results, out, title=scene.name))
     if options.picture is not None:
         from ..view import write_picture
 
-        print(write_picture(shown, options.picture))
+        print(write_picture(results, options.picture))
     if options.gif is not None:
         from ..view import write_gif
 
-        print(write_gif(shown, options.gif))
+        print(write_gif(results, options.gif))
     return 0

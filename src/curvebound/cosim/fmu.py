@@ -6,12 +6,14 @@ import atexit
 import difflib
 import shutil
 import tempfile
+import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ..errors import CurveboundError
+from ..fmi.drawing import Drawing, read
 
 __all__ = [
     "BASE_UNITS",
@@ -107,7 +109,8 @@ class Fmu:
 
     `dependencies` maps each output to the inputs that it depends on directly (an output without
     the attribute depends on all of them, FMI 2.0.3, section 2.2.8); `undeclared` are the outputs
-    without it. `initial_dependencies` is the same in initialization mode.
+    without it. `initial_dependencies` is the same in initialization mode. `drawing` is that which
+    an FMU of curvebound carries.
     """
 
     path: Path
@@ -124,6 +127,7 @@ class Fmu:
     start_time: float | None
     stop_time: float | None
     step: float | None
+    drawing: Drawing | None
     description: Any = field(repr=False, compare=False)  # fmpy's own object, for simulate_fmu
 
     @property
@@ -262,8 +266,18 @@ def _load(path: Path) -> Fmu:
         start_time=_number(experiment and experiment.startTime),
         stop_time=_number(experiment and experiment.stopTime),
         step=_number(experiment and experiment.stepSize),
+        drawing=_drawing(path),
         description=md,
     )
+
+
+def _drawing(path: Path) -> Drawing | None:
+    """The drawing in the FMU, which other tools' FMUs lack."""
+    with zipfile.ZipFile(path) as archive:
+        try:
+            return read(archive.read("resources/drawing.json"))
+        except (KeyError, CurveboundError):
+            return None
 
 
 def _number(text: Any) -> float | None:

@@ -246,6 +246,7 @@ class Prepared:
             trials=counters.trials,
             rejected=counters.rejected,
             units=self.system.units(self.system.recorded),
+            drawings=self.system.drawings(),
             notes=[*self.system.notes, *self.log.warnings(), *_forced(counters)],
             settings={
                 "algorithm": self.scene.algorithm,

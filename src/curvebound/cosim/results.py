@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import CurveboundError
 from ..files import write_whole
+from ..fmi.drawing import Drawing
 
 __all__ = ["Result", "RunFailed", "RunInterrupted", "as_csv", "read_csv", "write_csv"]
 
@@ -30,6 +31,7 @@ class Result:
     steps: macro steps of the solution; `trials` those computed to find it (adaptive only: every
         full and half step, rejected ones included, otherwise equal to `steps`); `rejected` the
         macro steps that were taken back.
+    drawings: what to draw of each component, where its FMU tells.
     notes: what the user should know once: warnings of the FMUs, inputs left at their start.
     complete: False when the run ended before the stop time; `failure` then says why.
     """
@@ -42,6 +44,7 @@ class Result:
     trials: int = 0
     rejected: int = 0
     units: dict[str, str] = field(default_factory=dict)
+    drawings: dict[str, Drawing] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     settings: dict[str, Any] = field(default_factory=dict)
     complete: bool = True

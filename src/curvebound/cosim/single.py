@@ -145,6 +145,7 @@ def _result(system: System, data: Any, failure: str, began: float, log: Log) -> 
         steps=steps,
         trials=steps,
         units=system.units(ports),
+        drawings=system.drawings(),
         notes=[*system.notes, *(f"{node.name}: {t}" for _, s, t in log.entries if s == WARNING)],
         settings={"algorithm": "fmpy.simulate_fmu", "step": scene.step, "adaptive": False},
     )

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..fmi.drawing import Drawing
 from .fmu import Fmu, Value, Variable
 from .graph import Loop
 from .scene import Scene
@@ -78,6 +79,16 @@ class System:
         """Unit by path, of those that have one."""
         found = {path_of(port): self.variable(port).unit for port in ports}
         return {path: unit for path, unit in found.items() if unit is not None}
+
+    def drawings(self) -> dict[str, Drawing]:
+        """The drawing of each component that has one, with the values of this scene."""
+        found = {}
+        for node in self.nodes.values():
+            drawing = node.fmu.drawing
+            if drawing is not None:
+                own = {n: float(v) for n, v in node.start.items() if n in drawing.values}
+                found[node.name] = drawing._replace(values={**drawing.values, **own}, known=True)
+        return found
 
 
 def path_of(port: Port) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib
-import importlib.util
 import re
 import sys
 import tempfile
@@ -17,17 +16,16 @@ from typing import NamedTuple
 
 from pythonfmu.builder import FmuBuilder
 
-from ..errors import CurveboundError
 from ..files import write_whole
-from ..places import fmus_directory
 from . import compile as kernel
 from . import forwarding
-from .declaration import Fmu
 from .description import timestamp
 from .documentation import documentation_files
+from .drawing import carried
+from .folder import folder_of, load_declaration, load_drawing
 from .runtime import Runtime, runtime
 
-__all__ = ["BuiltFmu", "build", "load_declaration", "names"]
+__all__ = ["BuiltFmu", "build"]
 
 #: PythonFMU's wrapper executes the main module anew for each instance, with locals of its own, and
 #: takes the class it finds in them: so there is one, and it is made once
@@ -62,40 +60,6 @@ class BuiltFmu(NamedTuple):
     message: str
 
 
-def _snake(name: str) -> str:
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
-
-
-def names() -> list[str]:
-    """The FMUs that can be built: one folder each in fmus/."""
-    return sorted(
-        "".join(word.capitalize() for word in path.parent.name.split("_"))
-        for path in fmus_directory().glob("*/fmu.py")
-    )
-
-
-def _folder(name: str) -> Path:
-    if name not in names():
-        raise CurveboundError(f"there is no FMU {name!r}: choose one of {', '.join(names())}")
-    return fmus_directory() / _snake(name)
-
-
-def load_declaration(name: str) -> Fmu:
-    """The declaration in fmus/ of the FMU called `name`."""
-    source = _folder(name) / "fmu.py"
-    spec = importlib.util.spec_from_file_location(f"curvebound_fmus_{_snake(name)}", source)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    fmu: Fmu = module.FMU
-    if fmu.name != name:
-        raise CurveboundError(
-            f"{source} declares an FMU {fmu.name!r}: call it {name!r}, or rename the folder"
-        )
-    return fmu
-
-
 def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     """Build the FMU `name` into the folder `out` as NAME.fmu.
 
@@ -103,7 +67,7 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     bytes. Raises CurveboundError for an unknown name or a failing compiler.
     """
     began = time.perf_counter()
-    folder = _folder(name)
+    folder = folder_of(name)
     source = (folder / "fmu.py").read_bytes()
     sources = runtime()
     extensions: dict[str, bytes] = {}
@@ -118,7 +82,8 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     package = sources.package(compiled=bool(extensions))
     parts = ("description.py", "units.py", forwarding.SOURCE.name)
     described = b"".join((_HERE / part).read_bytes() for part in parts)
-    digest = hashlib.sha256(sources.digest.encode() + source + described).hexdigest()
+    drawing = carried(load_drawing(name))
+    digest = hashlib.sha256(sources.digest.encode() + source + described + drawing).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     suffix = digest[:12] + ("c" if extensions else "")
     declaration = f"{name}_declaration_{suffix}"
@@ -137,6 +102,7 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     files = _pack(name, f"{name}_{suffix}", texts, sources, package)
     files.update({f"resources/{path}": content for path, content in extensions.items()})
     _isolate(files, package)
+    files["resources/drawing.json"] = drawing
     files.update(documentation_files(load_declaration(name), folder))
     if forwarder:
         binary = f"binaries/linux64/{name}.so"

@@ -5,9 +5,10 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from .build import build, load_declaration
+from .build import build
 from .declaration import Fmu
 from .documentation import csv_text
+from .folder import load_declaration
 from .reference import TOLERANCE, ReferenceResult, reference_result
 
 __all__ = ["write_cross_check"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,10 @@ import numpy as np
 
 from ..errors import CurveboundError
 from ..files import write_whole
-from .actors import BEAD, Actor, missing
-from .drawing import INK, Cast, Results, Stage, figure, pixels
+from ..fmi.drawing import Drawing
+from .actors import Actor
+from .reading import Results
+from .stage import INK, Cast, Stage, figure, pixels
 
 __all__ = ["write_gif"]
 
@@ -19,16 +22,22 @@ _TRAIL = 0.8  # s
 
 
 def write_gif(
-    results: Results, out: Path, *, seconds: float = 10.0, rate: int = 25, inches: float = 4.2
+    results: Results,
+    out: Path,
+    known: Sequence[Drawing] = (),
+    *,
+    seconds: float = 10.0,
+    rate: int = 25,
+    inches: float = 4.2,
 ) -> Path:
-    """Draw the first `seconds` of results to the GIF `out`: an array, or (label, array) pairs.
+    """Draw the first `seconds` of results to the GIF `out`, with the arguments of write_picture.
 
     `rate` in frames per second should divide 100: GIF counts hundredths of a second. Raises
     CurveboundError where matplotlib is missing or the columns hold nothing that can be drawn.
     """
-    cast = Cast(results)
+    cast = Cast(results, known)
     if not cast.actors:
-        raise CurveboundError(f"There is nothing to animate: {missing(cast.results[0][1])}.")
+        raise CurveboundError(f"There is nothing to animate: {cast.missing()}.")
     drawn = figure(inches, inches, _DPI)
     axes = drawn.add_axes((0.02, 0.02, 0.96, 0.96))
     stage = Stage(axes, [one.actor for one in cast.actors])
@@ -60,7 +69,6 @@ def write_gif(
 
 
 def _trail(stage: Stage, actor: Actor, colour: str) -> tuple[Any, Any, Any]:
-    names = ("body_x", "body_y") if actor.kind == BEAD else ("bob_x", "bob_y")
-    x, y = stage.path(actor, *names)
+    x, y = stage.path(actor, actor.drawing.points[-1].name)
     line = stage.axes.plot([], [], color=colour, linewidth=1.4, alpha=0.45, zorder=2)[0]
     return line, x, y

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .actors import BEAD, Actor, Floats
+from ..fmi.drawing import FRAME
+from .actors import Actor, Floats
 
 __all__ = ["Box", "box_of", "common_samples", "distances", "follows_frame"]
 
@@ -79,7 +80,7 @@ def _between(time: Floats, values: Floats, at: Floats) -> Floats:
 
 
 def box_of(actors: list[Actor], *, relative: bool = False) -> Box:
-    """The box that holds every position of `actors`, wires and rods included.
+    """The box that holds every position of `actors`, circles and curves of fixed range included.
 
     With `relative`, as seen from each actor's frame. Positions of a run that blew up are left out.
     """
@@ -99,18 +100,17 @@ def follows_frame(actors: list[Actor]) -> bool:
 
 
 def _box(actor: Actor, relative: bool) -> Box:
-    places = actor.places
-    zero = np.zeros(1)
-    frame_x, frame_y = (zero, zero) if relative else (places["frame_x"], places["frame_y"])
-    shift_x, shift_y = (places["frame_x"], places["frame_y"]) if relative else (zero, zero)
-    horizontal, vertical = [_extent(frame_x, actor.size)], [_extent(frame_y, actor.size)]
-    if actor.kind == BEAD:
-        for extents in (horizontal, vertical):
-            low, high = extents[0]
-            extents.append((low - actor.size, high + actor.size))
-    for _, x, y in actor.points():
-        horizontal.append(_extent(x - shift_x, actor.size))
-        vertical.append(_extent(y - shift_y, actor.size))
+    horizontal: list[tuple[float, float]] = []
+    vertical: list[tuple[float, float]] = []
+    shift_x, shift_y = actor.at(FRAME) if relative else (np.zeros(1), np.zeros(1))
+    for x, y, around in (
+        (*actor.at(FRAME), 0.0),
+        *((x, y, 0.0) for _, x, y in actor.points()),
+        *actor.outlines(),
+    ):
+        for extents, values in ((horizontal, x - shift_x), (vertical, y - shift_y)):
+            low, high = _extent(values, actor.size)
+            extents.append((low - around, high + around))
     margin = _MARGIN * actor.size
     return (
         min(low for low, _ in horizontal) - margin,

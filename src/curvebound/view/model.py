@@ -10,11 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CurveboundError
+from ..fmi.drawing import Drawing
+from ..fmi.folder import shipped_drawings
+from ..fmi.formula import parse
 from .actors import Actor, Floats, find_actors, missing, split_name
 from .geometry import box_of, distances, follows_frame
 from .packing import Packer
-from .quantities import PLOTS, QUANTITIES, READOUTS, quantity
-from .reading import check_result
+from .quantities import plots_of, quantity, readouts_of
+from .reading import Opened, Results, opened
 
 __all__ = ["MOST_RESULTS", "build_model"]
 
@@ -22,7 +25,6 @@ MOST_RESULTS = 8  # colours that can be told apart
 _MOST_VALUES = 4_000_000  # embedded; more than that would make a page of over 20 MB
 _MOST_OTHERS = 24  # plots of columns that nothing here knows
 _OTHERS_SHOWN = 6  # of them, where there is nothing better to show
-_DRIVES = {name for name, what in QUANTITIES.items() if what.unit in ("m/s2", "1/(m.s2)")}
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,7 @@ class _Shown:
     data: NDArray[Any]
     time: Floats
     clock: int  # channel of its times
+    drawings: dict[str, Drawing]  # by prefix
     actors: list[Actor]
 
     def column(self, name: str) -> Floats:
@@ -40,26 +43,31 @@ class _Shown:
 
 
 def build_model(
-    results: Sequence[tuple[str, NDArray[Any]]], title: str, notes: Sequence[str] = ()
+    results: Results,
+    title: str,
+    notes: Sequence[str] = (),
+    known: Sequence[Drawing] = (),
 ) -> tuple[dict[str, Any], Packer]:
     """The page's description (JSON-able) and its packed samples.
 
-    `results` are (label, structured array with `time`). Raises CurveboundError where there is
-    nothing to show, or more results than colours.
+    Arguments as those of write_replay. Raises CurveboundError where there is nothing to show, or
+    more results than colours.
     """
-    if not results:
+    known = [*known, *shipped_drawings()]
+    given = opened(results, known)
+    if not given:
         raise CurveboundError("There is no result to show. Give at least one.")
-    if len(results) > MOST_RESULTS:
+    if len(given) > MOST_RESULTS:
         raise CurveboundError(
-            f"{len(results)} results are more than can be told apart in one picture. "
+            f"{len(given)} results are more than can be told apart in one picture. "
             f"Give at most {MOST_RESULTS}."
         )
     packer = Packer()
     said = list(notes)
-    shown = [_show(label, data, packer, said, len(results)) for label, data in results]
+    shown = [_show(one, packer, said, len(given)) for one in given]
     actors = [(number, actor) for number, result in enumerate(shown) for actor in result.actors]
     if not actors:
-        lack = missing(shown[0].data)
+        lack = missing(shown[0].data, known)
         said.append(f"Nothing in these columns can be drawn, so only plots are shown: {lack}.")
     for number, actor in actors:
         said += [f"{shown[number].label}: {note}." for note in actor.notes]
@@ -82,9 +90,8 @@ def build_model(
     return model, packer
 
 
-def _show(label: str, data: NDArray[Any], packer: Packer, notes: list[str], results: int) -> _Shown:
-    data = np.atleast_1d(data)
-    check_result(label, data)
+def _show(result: Opened, packer: Packer, notes: list[str], results: int) -> _Shown:
+    label, data, drawings = result.label, result.data, result.drawings
     names = data.dtype.names or ()
     most = _MOST_VALUES // (results * max(len(names), 1))
     if len(data) > most:
@@ -105,7 +112,7 @@ def _show(label: str, data: NDArray[Any], packer: Packer, notes: list[str], resu
     if len(data) == 1:
         notes.append(f"{label}: one sample only, so there is no motion to play.")
     time = np.asarray(data["time"], dtype=np.float64)
-    return _Shown(label, data, time, packer.time(time), find_actors(data))
+    return _Shown(label, data, time, packer.time(time), drawings, find_actors(data, drawings))
 
 
 def _describe(result: _Shown, packer: Packer) -> dict[str, Any]:
@@ -128,21 +135,37 @@ def _name(number: int, actor: Actor, shown: list[_Shown]) -> str:
 
 def _actor(number: int, actor: Actor, shown: list[_Shown], packer: Packer) -> dict[str, Any]:
     result = shown[number]
+    drawing = actor.drawing
     return {
         "result": number,
         "label": _name(number, actor, shown),
         "kind": actor.kind,
-        "size": actor.size,
-        "reach": actor.reach(),
         "time": result.clock,
         "places": {name: packer.signal(values) for name, values in actor.places.items()},
+        "points": [
+            {"name": point.name, "shape": point.shape, "light": point.light}
+            for point in drawing.points
+        ],
+        "rods": drawing.rods,
+        "circles": [
+            {**circle._asdict(), **_trees(circle.x, circle.y), "radius": parse(circle.radius)}
+            for circle in drawing.circles
+        ],
+        "curves": [
+            {**_trees(curve.x, curve.y), "s": actor.span(curve)} for curve in drawing.curves
+        ],
     }
+
+
+def _trees(x: str, y: str) -> dict[str, Any]:
+    """Two formulas as the page's script evaluates them."""
+    return {"x": parse(x), "y": parse(y)}
 
 
 def _series(
     result: _Shown, number: int, label: str, name: str, column: str, packer: Packer
 ) -> dict[str, Any]:
-    what = quantity(name)
+    what = quantity(name, result.drawings.get(column.removesuffix(name)))
     return {
         "actor": number,
         "owner": label,
@@ -182,16 +205,17 @@ def _plots(
     shown: list[_Shown], actors: list[tuple[int, Actor]], packer: Packer
 ) -> list[dict[str, Any]]:
     bodies = {(id(shown[at]), actor.prefix) for at, actor in actors}
+    measured = {name for _, actor in actors for name in actor.drawing.outputs}
     owners = _owners(shown, actors)
     plots = []
-    for plot in PLOTS:
+    for plot in plots_of(_drawings(shown)):
         series: list[dict[str, Any]] = []
         for result, prefix, number, label in owners:
             for name in plot.names:
                 column = prefix + name
                 if column not in (result.data.dtype.names or ()):
                     continue
-                if bodies and (id(result), prefix) not in bodies and name not in _DRIVES:
+                if name in measured and (id(result), prefix) not in bodies:
                     continue
                 one = _series(result, number, label, name, column, packer)
                 if packer.blank(one["values"]):
@@ -207,11 +231,17 @@ def _plots(
                 "title": plot.title,
                 "unit": series[0]["unit"],
                 "shown": plot.shown or not actors,
-                "error": any(quantity(name).error for name in plot.names),
+                "error": plot.error,
                 "series": series,
             }
         )
     return _distances(shown, actors, packer) + plots
+
+
+def _drawings(shown: list[_Shown]) -> list[Drawing]:
+    """The drawings of all components, each once."""
+    every = [one for result in shown for one in result.drawings.values()]
+    return list({one.name: one for one in every}.values())
 
 
 def _moves(series: dict[str, Any], packer: Packer) -> bool:
@@ -261,7 +291,9 @@ def _others(shown: list[_Shown], packer: Packer, notes: list[str]) -> list[dict[
     left = 0
     for number, result in enumerate(shown):
         for column in result.data.dtype.names or ():
-            if column == "time" or split_name(column)[1] in QUANTITIES:
+            prefix, variable = split_name(column)
+            drawing = result.drawings.get(prefix)
+            if column == "time" or (drawing is not None and variable in drawing.units):
                 continue
             if column not in plots and len(plots) == _MOST_OTHERS:
                 left += 1
@@ -284,14 +316,15 @@ def _readouts(
 ) -> list[dict[str, Any]]:
     """Rows of the panel: a quantity, and the channel of each actor that has it."""
     rows = []
-    for name in READOUTS:
+    for name in readouts_of(_drawings(shown)):
         cells: list[dict[str, Any] | None] = []
         for at, actor in actors:
             result, column = shown[at], actor.prefix + name
             there = column in (result.data.dtype.names or ())
             cells.append(_series(result, 0, "", name, column, packer) if there else None)
         if any(cells):
-            what = quantity(name)
+            drawings = (actor.drawing for _, actor in actors)
+            what = quantity(name, next((one for one in drawings if name in one.units), None))
             rows.append(
                 {"label": what.name, "unit": what.unit, "error": what.error, "cells": cells}
             )

@@ -11,10 +11,12 @@ import numpy as np
 
 from ..errors import CurveboundError
 from ..files import write_whole
-from .actors import BEAD, Actor, Floats, split_name
-from .drawing import GREY, INK, Cast, Results, Stage, as_floats, colour_of, figure, save_small
+from ..fmi.drawing import FRAME, Drawing, Plot
+from .actors import Actor, Floats, split_name
 from .geometry import distances
-from .quantities import PLOTS, Plot, quantity
+from .quantities import plots_of, quantity
+from .reading import Results
+from .stage import GREY, INK, Cast, Stage, as_floats, colour_of, figure, save_small
 
 __all__ = ["write_picture"]
 
@@ -23,30 +25,19 @@ _PLOTS = 3
 _DASHES = ("-", (0, (4, 2)), (0, (1, 1.5)))
 _DPI = 100
 _ROUNDING = 1e-13
-# What tells most about a run, in this order; each line is good for one plot.
-_CHOICE = (
-    ("Angle",),
-    ("Energy",),
-    ("Constraint drift", "Error of the linear model", "Energy residual"),
-    ("Slider on the parabola",),
-    ("Drive", "Drive of the coefficient"),
-    ("Energy residual",),
-)
-_CHOICE_OF_MANY = (
-    ("Constraint drift", "Error of the linear model", "Energy residual"),
-    ("Angle",),
-    ("Slider on the parabola",),
-)
 
 
-def write_picture(results: Results, out: Path, title: str | None = None) -> Path:
-    """Draw results to the PNG `out`: one structured array, or pairs of a label and an array.
+def write_picture(
+    results: Results, out: Path, title: str | None = None, known: Sequence[Drawing] = ()
+) -> Path:
+    """Draw results to the PNG `out`: one Result or structured array, or pairs of a label and one.
 
-    Columns are `time` in s and `component.variable` in SI units. Several results share the
+    Columns are `time` in s and `component.variable` in SI units; those of a structured array are
+    recognised as a system's of the package or of the drawings `known`. Several results share the
     picture, each in its colour. Raises CurveboundError where matplotlib is missing or there is
     nothing to draw.
     """
-    cast = Cast(results)
+    cast = Cast(results, known)
     plots = _plots(cast)[: _PLOTS if cast.actors else 4]
     if not cast.actors and not plots:
         raise CurveboundError(
@@ -102,8 +93,8 @@ def _strobe(axes: Any, cast: Cast) -> None:
 
 def _swing(time: Floats, actor: Actor) -> float:
     """Time from one end of the motion to the other, where no flash hides another; or all."""
-    names = ("body_x", "frame_x") if actor.kind == BEAD else ("bob_x", "body_x")
-    swing = actor.places[names[0]] - actor.places[names[1]]
+    *_, before, last = FRAME, *(point.name for point in actor.drawing.points)
+    swing = actor.at(last)[0] - actor.at(before)[0]
     good = np.isfinite(swing)
     whole = float(time[-1] - time[0])
     if good.sum() < 3:
@@ -118,6 +109,7 @@ class _Line:
     """One line of a plot over time."""
 
     label: str
+    unit: str
     time: Floats
     values: Floats
     colour: str
@@ -129,33 +121,47 @@ _Chart = tuple[str, str, bool, list[_Line]]  # title, unit, logarithmic, lines
 
 def _plots(cast: Cast) -> list[_Chart]:
     """The plots to show, the most telling first."""
-    by_title = {plot.title: plot for plot in PLOTS}
     found: dict[str, _Chart] = {}
-    choice: Sequence[Sequence[str]] = _CHOICE if cast.actors else [[plot.title] for plot in PLOTS]
     if len(cast.actors) > 1:
-        choice = _CHOICE_OF_MANY
         apart = _apart(cast)
         if apart:
             found["distance"] = (f"Distance from {cast.actors[0].label}", "m", True, apart)
-    for titles in choice:
-        for title in titles:
-            if title in found:
+    for plots in _choice(cast):
+        for plot in plots:
+            if plot.title in found:
                 continue
-            plot = by_title[title]
             lines = _lines(cast, plot)
             if lines:
-                what = quantity(plot.names[0])
-                found[title] = (title, what.unit, what.error, lines)
+                found[plot.title] = (plot.title, lines[0].unit, plot.error, lines)
                 break
     if not found:
-        for number, (_, data) in enumerate(cast.results):
-            time = as_floats(data["time"])
+        for number, result in enumerate(cast.results):
+            data, time = result.data, as_floats(result.data["time"])
             for name in data.dtype.names or ():
                 values = as_floats(data[name])
                 if name != "time" and _varies(values):
-                    line = _Line("", time, values, colour_of(number), 0)
+                    line = _Line("", "", time, values, colour_of(number), 0)
                     found.setdefault(name, (name, "", False, []))[3].append(line)
     return list(found.values())
+
+
+def _choice(cast: Cast) -> list[list[Plot]]:
+    """What tells most about a run, in this order; each of the lists is good for one plot."""
+    plots = plots_of(cast.drawings())
+    if not cast.actors:
+        return [[plot] for plot in plots]
+    others = [plot for plot in plots if plot.shown and not plot.error]
+    # the energy's residual is every system's: what is its own tells more
+    errors = sorted((plot for plot in plots if plot.error), key=_is_of_energy)
+    energies = [plot for plot in others[1:] if _is_of_energy(plot)]
+    rest = [[plot] for plot in others[1:] if plot not in energies]
+    if len(cast.actors) > 1:
+        return [errors, others[:1], *rest]
+    return [others[:1], energies, errors, *rest, errors]
+
+
+def _is_of_energy(plot: Plot) -> bool:
+    return plot.names[0].startswith("energy.")
 
 
 def _apart(cast: Cast) -> list[_Line]:
@@ -171,7 +177,7 @@ def _apart(cast: Cast) -> list[_Line]:
             if len(others) == 1:
                 label = point
             if np.isfinite(values).any() and np.nanmax(values) > 0.0:
-                lines.append(_Line(label, time, values, one.colour, dash))
+                lines.append(_Line(label, "m", time, values, one.colour, dash))
     return lines
 
 
@@ -180,23 +186,25 @@ def _lines(cast: Cast, plot: Plot) -> list[_Line]:
     many = len(cast.actors) > 1
     lines: list[_Line] = []
     kinds: list[str] = []
-    for owner, prefix, data, colour in cast.owners():
+    for owner, drawings, data, colour in cast.owners():
         for name in data.dtype.names or ():
-            found, variable = split_name(name)
-            if variable not in plot.names or (prefix is not None and found != prefix):
+            prefix, variable = split_name(name)
+            if variable not in plot.names or prefix not in drawings:
                 continue
             values = as_floats(data[name])
             if not np.isfinite(values).any():
                 continue
-            what = quantity(variable).label
+            told = quantity(variable, drawings[prefix])
+            what = told.label
             if what not in kinds:
                 kinds.append(what)
             shade = colour if many else colour_of(len(lines))
             label = f"{owner}: {what}" if many else what
-            lines.append(_Line(label, as_floats(data["time"]), values, shade, kinds.index(what)))
+            time, dash = as_floats(data["time"]), kinds.index(what)
+            lines.append(_Line(label, told.unit, time, values, shade, dash))
     if many and len(kinds) == 1:
         lines = [replace(line, label=line.label.rpartition(": ")[0]) for line in lines]
-    if quantity(plot.names[0]).error:  # at rounding level there is nothing to see
+    if plot.error:  # at rounding level there is nothing to see
         return lines if any(np.nanmax(np.abs(line.values)) > _ROUNDING for line in lines) else []
     return lines if not plot.moving or any(_varies(line.values) for line in lines) else []
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cosim.results import read_csv
+from ..cosim.results import Result, read_csv
 from ..errors import CurveboundError
+from ..fmi.drawing import Drawing
+from .actors import drawings_of
 
-__all__ = ["Reading", "check_result", "read_result"]
+__all__ = ["Opened", "Reading", "Results", "check_result", "opened", "read_result"]
 
 _MOST_LISTED = 12
 _TIME_NAMES = ("time", "t")
@@ -32,6 +35,36 @@ class Reading:
 
     data: NDArray[Any]
     notes: tuple[str, ...] = field(default=())
+
+
+#: a result of a run, or its structured array alone; or several with labels
+Results = Result | NDArray[Any] | Sequence[tuple[str, Result | NDArray[Any]]]
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A result to be shown: its samples, and the drawings of its components by prefix."""
+
+    label: str
+    data: NDArray[Any]
+    drawings: dict[str, Drawing]
+
+
+def opened(results: Results, known: Sequence[Drawing]) -> list[Opened]:
+    """The results with what is to be drawn of them.
+
+    A Result tells the drawings of its components; columns alone are recognised as those of one of
+    the drawings `known`. Raises CurveboundError where one is no result.
+    """
+    if isinstance(results, Result | np.ndarray):
+        results = [("The result", results)]
+    shown = []
+    for label, given in results:
+        data = np.atleast_1d(given.data if isinstance(given, Result) else given)
+        check_result(label, data)
+        own = given.drawings if isinstance(given, Result) else {}
+        shown.append(Opened(label, data, drawings_of(data, known, own)))
+    return shown
 
 
 def read_result(path: Path) -> Reading:
@@ -112,7 +145,7 @@ def _columns(path: Path, names: list[str]) -> list[str]:
     if all(_number(name) is not None for name in names):
         raise CurveboundError(
             f"The first line of {path} holds numbers where the names of the columns belong. "
-            "Put a line of names above it: time, then one per variable, e.g. `time,bead.x,bead.y`."
+            "Put a line of names above it: time, then one per variable, e.g. `time,plant.x`."
         )
     plain = [_UNIT_SUFFIX.sub("", name) or f"column {i + 1}" for i, name in enumerate(names)]
     for wanted in _TIME_NAMES:

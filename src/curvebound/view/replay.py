@@ -8,6 +8,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from ..cosim.results import Result
+from ..fmi.drawing import Drawing
 from .files import asset, write_text
 from .model import build_model
 from .page import embedded_json, page
@@ -26,20 +28,22 @@ _SCRIPTS = (
 
 
 def write_replay(
-    results: Sequence[tuple[str, NDArray[Any]]],
+    results: Sequence[tuple[str, Result | NDArray[Any]]],
     out: Path,
     title: str | None = None,
     notes: Sequence[str] = (),
+    known: Sequence[Drawing] = (),
 ) -> Path:
-    """Write `results`, pairs of a label and a structured array, as a replay page to `out`.
+    """Write `results`, pairs of a label and a Result or structured array, as a page to `out`.
 
-    Columns are `time` in s and `component.variable` or plain `variable` in SI units. Several
+    Columns are `time` in s and `component.variable` or plain `variable` in SI units; those of a
+    structured array are recognised as a system's of the package or of the drawings `known`. Several
     results share one picture, each in a colour of its own, with their distance from the first.
     `notes` are shown above the picture. Raises CurveboundError where a result cannot be shown.
     """
     if title is None:
         title = " and ".join(label for label, _ in results)
-    model, packer = build_model(results, title, notes)
+    model, packer = build_model(results, title, notes, known)
     ours = "\n".join(asset(name) for name in _SCRIPTS)
     text = page(
         "replay.html",

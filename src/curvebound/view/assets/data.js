@@ -73,14 +73,14 @@ function valueAt(times, values, i, t) {
   if (s === 1) return v1;
   const straight = (v1 - v0) / h;
   let m0 = slope(times, values, i), m1 = slope(times, values, i + 1);
-  // Without a neighbour on one side a parabola, without any a straight line.
+  // Without a neighbour on one side a quadratic, without any a straight line.
   if (Number.isNaN(m0)) m0 = Number.isNaN(m1) ? straight : 2 * straight - m1;
   if (Number.isNaN(m1)) m1 = 2 * straight - m0;
   const r = 1 - s;
   return (1 + 2 * s) * r * r * v0 + s * s * (3 - 2 * s) * v1 + h * s * r * (r * m0 - s * m1);
 }
 
-// That of the parabola through a sample and its neighbours, NaN where it lacks one.
+// That of the quadratic through a sample and its neighbours, NaN where it lacks one.
 function slope(times, values, i) {
   if (i === 0 || i === times.length - 1) return NaN;
   const before = times[i] - times[i - 1], after = times[i + 1] - times[i];

@@ -24,10 +24,15 @@ function themeColours() {
   const actors = Array.from({ length: 8 }, (_, k) => colour(`result-${k}`));
   const paper = colour("paper");
   return {
-    paper, ink: colour("ink"), muted: colour("muted"), grid: colour("grid"), wire: colour("wire"),
-    actors, bobs: actors.map((one) => mix(one, paper, 0.32)),
+    paper, ink: colour("ink"), muted: colour("muted"), grid: colour("grid"), curve: colour("curve"),
+    actors, tints: actors.map((one) => mix(one, paper, 0.32)),
     font: "12px system-ui, sans-serif",
   };
+}
+
+// Actors whose points have no shape of their own are told apart by shape too.
+function shaped(actor) {
+  return actor.points.every(({ shape }) => !shape) ? "shaped" : "plain";
 }
 
 function mix(one, other, share) {
@@ -213,7 +218,7 @@ class Page {
     if (!this.many) return;
     for (const actor of this.model.actors) {
       const item = element("li", actor.label);
-      const dot = element("i", undefined, { "aria-hidden": "true", class: `dot ${actor.kind} c${actor.number}` });
+      const dot = element("i", undefined, { "aria-hidden": "true", class: `dot ${shaped(actor)} c${actor.number}` });
       item.prepend(dot);
       get("legend").append(item);
     }
@@ -233,7 +238,7 @@ class Page {
       row.append(element("th", "", { scope: "col" }));
       actors.forEach((actor, k) => {
         const head = element("th", "", { scope: "col" });
-        head.append(element("i", undefined, { "aria-hidden": "true", class: `dot ${actor.kind} c${k}` }));
+        head.append(element("i", undefined, { "aria-hidden": "true", class: `dot ${shaped(actor)} c${k}` }));
         head.append(actor.label);
         row.append(head);
       });

@@ -1,7 +1,22 @@
-// Draws wires, parabolas and the bodies on them to scale on a canvas.
+// Draws points, rods and curves to scale on a canvas.
 
 const TAU = 2 * Math.PI;
-const TRAIL_PARTS = 16, TRAIL_POINTS = 2000;
+const TRAIL_PARTS = 16, TRAIL_POINTS = 2000, CURVE_PARTS = 192;
+
+const FUNCTIONS = {
+  "+": (a, b) => a + b, "-": (a, b) => a - b, "*": (a, b) => a * b, "/": (a, b) => a / b,
+  "**": (a, b) => a ** b, negative: (a) => -a, abs: Math.abs, sqrt: Math.sqrt, sin: Math.sin,
+  cos: Math.cos, tan: Math.tan, sinh: Math.sinh, cosh: Math.cosh, tanh: Math.tanh, exp: Math.exp,
+  log: Math.log, atan2: Math.atan2, hypot: Math.hypot,
+};
+
+// A formula, [operation, operand, ...], as a function of the values of its variables by name.
+function formula(tree) {
+  if (typeof tree === "string") return (values) => values[tree];
+  if (!Array.isArray(tree)) return () => tree;
+  const apply = FUNCTIONS[tree[0]], [one, two] = tree.slice(1).map(formula);
+  return two ? (values) => apply(one(values), two(values)) : (values) => apply(one(values));
+}
 
 class Scene {
   // model: the page's description; channels: its samples; colours(): the theme's.
@@ -15,7 +30,10 @@ class Scene {
     this.actors = model.actors.map((actor, number) => {
       const places = {};
       for (const [name, at] of Object.entries(actor.places)) places[name] = channels[at];
-      return { ...actor, number, places, times: channels[actor.time], last: null };
+      const circles = actor.circles.map(({ x, y, radius, holds }) => (
+        { x: formula(x), y: formula(y), radius: formula(radius), holds }));
+      const curves = actor.curves.map(({ x, y, s }) => ({ x: formula(x), y: formula(y), s }));
+      return { ...actor, number, places, circles, curves, times: channels[actor.time] };
     });
     this.zoom = 1;
     this.panX = 0;
@@ -78,28 +96,29 @@ class Scene {
 
   // Where everything of an actor is at time t; what is blank stays where it was last seen.
   place(actor, t) {
-    const i = indexAt(actor.times, t), at = {};
-    for (const [name, values] of Object.entries(actor.places)) {
-      at[name] = valueAt(actor.times, values, i, t);
+    const i = indexAt(actor.times, t), values = {};
+    for (const [name, samples] of Object.entries(actor.places)) {
+      values[name] = valueAt(actor.times, samples, i, t);
     }
-    at.outside = t > actor.times[actor.times.length - 1] || t < actor.times[0];
-    at.blank = Object.values(at).some(Number.isNaN);
-    if (at.blank) {
-      for (const name of Object.keys(actor.places)) {
-        if (!Number.isNaN(at[name])) continue;
+    const outside = t > actor.times[actor.times.length - 1] || t < actor.times[0];
+    const blank = Object.values(values).some(Number.isNaN);
+    if (blank) {
+      for (const [name, samples] of Object.entries(actor.places)) {
+        if (!Number.isNaN(values[name])) continue;
         let k = i;
-        while (k > 0 && Number.isNaN(actor.places[name][k])) k--;
-        at[name] = actor.places[name][k];
-        if (Number.isNaN(at[name])) at[name] = actor.places[name].find((v) => !Number.isNaN(v)) ?? 0;
+        while (k > 0 && Number.isNaN(samples[k])) k--;
+        values[name] = samples[k];
+        if (Number.isNaN(values[name])) values[name] = samples.find((v) => !Number.isNaN(v)) ?? 0;
       }
     }
-    return at;
+    const point = (name) => [values[`${name} x`], values[`${name} y`]];
+    return { values, outside, blank, point };
   }
 
   draw(t) {
     const c = this.context, colours = this.colours();
     const placed = this.actors.map((actor) => this.place(actor, t));
-    const camera = this.camera([placed[0].frame_x, placed[0].frame_y]);
+    const camera = this.camera(placed[0].point("frame"));
     this.drawn = { ...camera, ratio: this.ratio, time: t };
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     c.globalAlpha = 1;
@@ -107,7 +126,7 @@ class Scene {
     c.fillRect(0, 0, this.width, this.height);
     c.lineCap = c.lineJoin = "round";
     this.grid(camera, colours);
-    this.actors.forEach((actor, i) => this.curve(camera, actor, placed[i], colours));
+    this.actors.forEach((actor, i) => this.curves(camera, actor, placed[i], placed[0], colours));
     this.actors.forEach((actor, i) => this.trails(camera, actor, placed[i], t, colours));
     this.actors.forEach((actor, i) => this.bodies(camera, actor, placed[i], colours));
     this.scaleBar(camera, colours);
@@ -165,26 +184,30 @@ class Scene {
     c.fillText(`${tickText(length)} m`, x + pixels / 2, y - 7);
   }
 
-  // The wire or the parabola, and a mark on its centre or vertex.
-  curve(camera, actor, at, colours) {
+  // Circles and curves, and a mark on the origin of their frame.
+  curves(camera, actor, at, first, colours) {
     const c = this.context, { scale, left, bottom } = camera;
-    const shared = actor.number === 0 || this.alike(actor, at);
-    if (shared && actor.number !== 0) return;
-    c.strokeStyle = actor.number === 0 ? colours.wire : colours.actors[actor.number];
+    if (actor.number !== 0 && this.alike(actor, at, first)) return;
+    c.strokeStyle = actor.number === 0 ? colours.curve : colours.actors[actor.number];
     c.globalAlpha = actor.number === 0 ? 1 : 0.55;
     c.lineWidth = actor.number === 0 ? 2.5 : 1.5;
-    const fx = left + at.frame_x * scale, fy = bottom - at.frame_y * scale;
-    c.beginPath();
-    if (actor.kind === "bead") {
-      c.arc(fx, fy, Math.min(actor.size * scale, 1e7), 0, TAU);
-    } else {
-      const a = at.coefficient, parts = 96;
-      for (let k = -parts; k <= parts; k++) {
-        const u = actor.reach * k / parts;
-        c.lineTo(fx + u * scale, fy - a * u * u * scale);
-      }
+    for (const { x, y, radius } of actor.circles) {
+      const pixels = Math.min(Math.max(radius(at.values) * scale, 0), 1e7);
+      c.beginPath();
+      c.arc(left + x(at.values) * scale, bottom - y(at.values) * scale, pixels, 0, TAU);
+      c.stroke();
     }
-    c.stroke();
+    for (const { x, y, s: [from, to] } of actor.curves) {
+      const values = { ...at.values };
+      c.beginPath();
+      for (let k = 0; k <= CURVE_PARTS; k++) {
+        values.s = from + (to - from) * k / CURVE_PARTS;
+        c.lineTo(left + x(values) * scale, bottom - y(values) * scale);
+      }
+      c.stroke();
+    }
+    const [frameX, frameY] = at.point("frame");
+    const fx = left + frameX * scale, fy = bottom - frameY * scale;
     c.lineWidth = 1;
     c.beginPath();
     c.moveTo(fx - 5, fy);
@@ -195,29 +218,28 @@ class Scene {
     c.globalAlpha = 1;
   }
 
-  // Whether an actor's curve lies on the first one's, so that one line serves both.
-  alike(actor, at) {
-    const first = this.actors[0], i = indexAt(first.times, this.drawn.time);
-    const same = (name) => {
-      const value = valueAt(first.times, first.places[name], i, this.drawn.time);
-      return Math.abs(value - at[name]) * this.drawn.scale < 0.5;
-    };
-    return actor.kind === first.kind && Math.abs(actor.size - first.size) < 1e-6 * first.size
-      && same("frame_x") && same("frame_y") && (actor.kind === "bead" || same("coefficient"));
+  // Whether an actor's curves lie on the first one's, so that one line serves both.
+  alike(actor, at, first) {
+    if (actor.kind !== this.actors[0].kind) return false;
+    const bodies = new Set(actor.points.flatMap(({ name }) => [`${name} x`, `${name} y`]));
+    return Object.keys(at.values).every((name) => bodies.has(name)
+      || Math.abs(first.values[name] - at.values[name]) * this.drawn.scale < 0.5);
   }
 
   trails(camera, actor, at, t, colours) {
     if (!this.trail || at.outside) return;
-    const colour = colours.actors[actor.number];
     const drive = Math.abs(this.view.world[2] - this.view.world[0]
       - this.view.frame[2] + this.view.frame[0]) > 1e-9;
-    const paths = actor.kind === "bead"
-      ? [["body_x", "body_y", colour]]
-      : [["body_x", "body_y", colour], ["bob_x", "bob_y", colours.bobs[actor.number]]];
-    if (drive && actor.number === 0) paths.push(["frame_x", "frame_y", colours.muted]);
-    for (const [x, y, stroke] of paths) {
-      this.trailOf(camera, actor.times, actor.places[x], actor.places[y], [at[x], at[y]], t, stroke);
+    const paths = actor.points.map((point) => [point.name, this.colourOf(actor, point, colours)]);
+    if (drive && actor.number === 0) paths.push(["frame", colours.muted]);
+    for (const [name, stroke] of paths) {
+      const xs = actor.places[`${name} x`], ys = actor.places[`${name} y`];
+      this.trailOf(camera, actor.times, xs, ys, at.point(name), t, stroke);
     }
+  }
+
+  colourOf(actor, { light }, colours) {
+    return (light ? colours.tints : colours.actors)[actor.number];
   }
 
   trailOf(camera, times, xs, ys, head, t, stroke) {
@@ -266,42 +288,47 @@ class Scene {
 
   bodies(camera, actor, at, colours) {
     const c = this.context, { scale, left, bottom } = camera;
-    const colour = colours.actors[actor.number];
-    const x = left + at.body_x * scale, y = bottom - at.body_y * scale;
+    const places = Object.fromEntries(["frame", ...actor.points.map(({ name }) => name)].map((name) => {
+      const [x, y] = at.point(name);
+      return [name, [left + x * scale, bottom - y * scale]];
+    }));
     // Later ones are smaller, so that two at one place both show.
     const many = this.actors.length > 1;
     const radius = many ? Math.max(11 - 3 * actor.number, 4) : 9;
     c.globalAlpha = at.outside || at.blank ? 0.45 : 1;
-    if (actor.kind === "bead") {
-      this.gap(camera, actor, at, colour);
-      this.mark(actor.number, x, y, radius, colour, colours.paper);
-    } else {
-      const bx = left + at.bob_x * scale, by = bottom - at.bob_y * scale;
-      c.strokeStyle = many ? colour : colours.ink;
-      c.lineWidth = many ? Math.max(6 - 2 * actor.number, 1.5) : 2;
+    const colour = colours.actors[actor.number];
+    for (const circle of actor.circles) this.gap(camera, circle, at, colour);
+    c.strokeStyle = many ? colour : colours.ink;
+    c.lineWidth = many ? Math.max(6 - 2 * actor.number, 1.5) : 2;
+    for (const [start, end] of actor.rods) {
       c.beginPath();
-      c.moveTo(x, y);
-      c.lineTo(bx, by);
+      c.moveTo(...places[start]);
+      c.lineTo(...places[end]);
       c.stroke();
-      this.mark(2, x, y, radius - 1, colour, colours.paper);
-      this.mark(0, bx, by, radius + 1, colours.bobs[actor.number], colours.paper);
+    }
+    for (const point of actor.points) {
+      const shape = { square: 2, round: 0 }[point.shape] ?? actor.number;
+      const size = radius + ({ square: -1, round: 1 }[point.shape] ?? 0);
+      this.mark(shape, ...places[point.name], size, this.colourOf(actor, point, colours), colours.paper);
     }
     c.globalAlpha = 1;
-    this.pointer(x, y, colour, actor, colours);
+    this.pointer(...places[actor.points[0].name], colour, actor, colours);
   }
 
-  // A line from the wire to a bead that has left it.
-  gap(camera, actor, at, colour) {
+  // A line from a circle to the point that it held and that has left it.
+  gap(camera, { x, y, radius, holds }, at, colour) {
+    if (!holds) return;
     const c = this.context, { scale, left, bottom } = camera;
-    const dx = at.body_x - at.frame_x, dy = at.body_y - at.frame_y, length = Math.hypot(dx, dy);
-    if (!(length > 0) || Math.abs(length - actor.size) * scale < 1.5) return;
-    const k = actor.size / length;
+    const [px, py] = at.point(holds), cx = x(at.values), cy = y(at.values);
+    const dx = px - cx, dy = py - cy, length = Math.hypot(dx, dy), size = radius(at.values);
+    if (!(length > 0) || Math.abs(length - size) * scale < 1.5) return;
+    const k = size / length;
     c.strokeStyle = colour;
     c.lineWidth = 1.5;
     c.setLineDash([3, 4]);
     c.beginPath();
-    c.moveTo(left + at.body_x * scale, bottom - at.body_y * scale);
-    c.lineTo(left + (at.frame_x + dx * k) * scale, bottom - (at.frame_y + dy * k) * scale);
+    c.moveTo(left + px * scale, bottom - py * scale);
+    c.lineTo(left + (cx + dx * k) * scale, bottom - (cy + dy * k) * scale);
     c.stroke();
     c.setLineDash([]);
   }

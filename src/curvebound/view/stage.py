@@ -1,4 +1,4 @@
-"""Bodies and their frames on matplotlib axes, for still pictures and animations."""
+"""Points, rods and curves on matplotlib axes, for still pictures and animations."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CurveboundError
-from .actors import BEAD, PENDULUM, Actor, Floats, find_actors
+from ..fmi.drawing import FRAME, Circle, Curve, Drawing
+from ..fmi.folder import shipped_drawings
+from .actors import Actor, Floats, find_actors, missing
 from .files import asset
 from .geometry import box_of, follows_frame
-from .reading import check_result
+from .reading import Results, opened
 
 __all__ = [
     "GREY",
     "INK",
     "Cast",
-    "Results",
     "Role",
     "Stage",
     "as_floats",
@@ -35,6 +36,7 @@ __all__ = [
 INK = "#1b222c"
 GREY = "#8793a3"
 _PAPER = "white"
+_ROUNDING = 1e-12
 _TINTS = 14  # of each of 18 colours; with white 253, and a picture has 256
 
 
@@ -124,9 +126,6 @@ def _lighter(colour: str, share: float = 0.32) -> tuple[float, float, float]:
     )
 
 
-Results = NDArray[Any] | Sequence[tuple[str, NDArray[Any]]]
-
-
 @dataclass(frozen=True)
 class Role:
     """An actor with its name, its colour and the times of its samples."""
@@ -150,31 +149,42 @@ class Role:
 class Cast:
     """Everything to draw of one result, or of several with labels."""
 
-    def __init__(self, results: Results) -> None:
-        if isinstance(results, np.ndarray):
-            results = [("The result", results)]
-        self.results = [(label, np.atleast_1d(data)) for label, data in results]
+    def __init__(self, results: Results, known: Sequence[Drawing] = ()) -> None:
+        self.known = [*known, *shipped_drawings()]
+        self.results = opened(results, self.known)
         if not self.results:
             raise CurveboundError("There is no result to draw. Give at least one.")
         self.actors: list[Role] = []
-        for label, data in self.results:
-            check_result(label, data)
-            found = find_actors(data)
-            time = as_floats(data["time"])
+        for result in self.results:
+            time = as_floats(result.data["time"])
+            found = find_actors(result.data, result.drawings)
             for actor in found:
                 component = actor.prefix.rstrip(".")
-                name = label if len(found) == 1 else component
+                name = result.label if len(found) == 1 else component
                 if len(found) > 1 and len(self.results) > 1:
-                    name = f"{label}: {component}"
-                self.actors.append(Role(name, actor, colour_of(len(self.actors)), time, data))
+                    name = f"{result.label}: {component}"
+                colour = colour_of(len(self.actors))
+                self.actors.append(Role(name, actor, colour, time, result.data))
 
-    def owners(self) -> list[tuple[str, str | None, NDArray[Any], str]]:
-        """(label, prefix of its columns or None for all, data, colour) of what has plots."""
+    def drawings(self) -> list[Drawing]:
+        """The drawings of all components, each once."""
+        every = [one for result in self.results for one in result.drawings.values()]
+        return list({one.name: one for one in every}.values())
+
+    def missing(self) -> str:
+        """In words, what the first result lacks to be drawn."""
+        return missing(self.results[0].data, self.known)
+
+    def owners(self) -> list[tuple[str, dict[str, Drawing], NDArray[Any], str]]:
+        """(label, drawings by prefix of its columns, data, colour) of what has plots."""
         if self.actors:
-            return [(one.label, one.actor.prefix, one.data, one.colour) for one in self.actors]
+            return [
+                (one.label, {one.actor.prefix: one.actor.drawing}, one.data, one.colour)
+                for one in self.actors
+            ]
         return [
-            (label, None, data, colour_of(number))
-            for number, (label, data) in enumerate(self.results)
+            (result.label, result.drawings, result.data, colour_of(number))
+            for number, result in enumerate(self.results)
         ]
 
 
@@ -199,17 +209,20 @@ class Stage:
         axes.grid(color="#eef1f5", linewidth=0.7)
         axes.set_axisbelow(True)
 
-    def path(self, actor: Actor, x: str, y: str) -> tuple[Floats, Floats]:
+    def path(self, actor: Actor, point: str) -> tuple[Floats, Floats]:
         """Where a point of an actor goes, shape (samples,), in the coordinates of the axes."""
-        places = actor.places
-        if self.relative:
-            return places[x] - places["frame_x"], places[y] - places["frame_y"]
-        return places[x], places[y]
+        x, y = actor.at(point)
+        frame_x, frame_y = self._origin(actor)
+        return x - frame_x, y - frame_y
+
+    def _origin(self, actor: Actor) -> tuple[Floats, Floats]:
+        """The origin of the axes in the world, shape (samples,)."""
+        x, y = actor.at(FRAME)
+        return (x, y) if self.relative else (np.zeros_like(x), np.zeros_like(y))
 
     def trace(self, actor: Actor, colour: str) -> None:
-        """The whole path of bead or bob as a thin line."""
-        names = ("body_x", "body_y") if actor.kind == BEAD else ("bob_x", "bob_y")
-        x, y = self.path(actor, *names)
+        """The whole path of the last point as a thin line."""
+        x, y = self.path(actor, actor.drawing.points[-1].name)
         self.axes.plot(x, y, color=colour, linewidth=0.6, alpha=0.35, zorder=2)
 
     def bodies(
@@ -222,27 +235,29 @@ class Stage:
         def add(where: Callable[[int], tuple[Any, Any]], *style: Any, **more: Any) -> None:
             moving.append((plot(*where(at), *style, **more)[0], where))
 
-        def point(x: str, y: str) -> Callable[[int], tuple[Any, Any]]:
-            xs, ys = self.path(actor, x, y)
-            return lambda k: ([xs[k]], [ys[k]])
+        def through(*points: str) -> Callable[[int], tuple[Any, Any]]:
+            paths = [self.path(actor, point) for point in points]
+            return lambda k: ([x[k] for x, _ in paths], [y[k] for _, y in paths])
 
-        alone = 1.0 if self._rests(actor) else alpha
-        add(self._curve(actor), color=GREY, linewidth=1.6, zorder=1, alpha=alone)
+        drawing = actor.drawing
+        curves: list[Circle | Curve] = [*drawing.circles, *drawing.curves]
+        for curve in curves:
+            alone = 1.0 if self._rests(actor, curve) else alpha
+            add(self._curve(actor, curve), color=GREY, linewidth=1.6, zorder=1, alpha=alone)
+        for rod in drawing.rods:
+            add(through(*rod), color=INK, linewidth=1.1, alpha=alpha, zorder=3)
         rim: dict[str, Any] = {"alpha": alpha, "markeredgecolor": _PAPER, "markeredgewidth": 0.8}
-        if actor.kind == PENDULUM:
-            body, bob = self.path(actor, "body_x", "body_y"), self.path(actor, "bob_x", "bob_y")
+        for point in drawing.points:
+            square = point.shape == "square"
+            tint = _lighter(colour) if point.light else colour
             add(
-                lambda k: ([body[0][k], bob[0][k]], [body[1][k], bob[1][k]]),
-                color=INK,
-                linewidth=1.1,
-                alpha=alpha,
-                zorder=3,
+                through(point.name),
+                "s" if square else "o",
+                color=tint,
+                markersize=7 if square else 9.5,
+                zorder=4,
+                **rim,
             )
-            add(point("body_x", "body_y"), "s", color=colour, markersize=7, zorder=4, **rim)
-            tint = _lighter(colour)
-            add(point("bob_x", "bob_y"), "o", color=tint, markersize=9.5, zorder=4, **rim)
-        else:
-            add(point("body_x", "body_y"), "o", color=colour, markersize=9.5, zorder=4, **rim)
 
         def move(k: int) -> None:
             for line, where in moving:
@@ -258,20 +273,26 @@ class Stage:
             self.axes.plot([], [], "o", color=one.colour, markersize=6, label=one.label)
         self.axes.legend(fontsize=7.5, frameon=False, loc="upper left", labelcolor=INK)
 
-    def _rests(self, actor: Actor) -> bool:
-        """Whether the wire or the parabola looks the same at all times."""
-        names = ["coefficient"] if actor.kind == PENDULUM else []
-        if not self.relative:
-            names += ["frame_x", "frame_y"]
-        return all(float(np.ptp(actor.places[name])) == 0.0 for name in names)
+    def _rests(self, actor: Actor, curve: Circle | Curve) -> bool:
+        """Whether a curve looks the same at all times."""
+        left, low = self._origin(actor)
+        shown = [actor.of(curve.x, 1.0) - left, actor.of(curve.y, 1.0) - low]
+        if isinstance(curve, Circle):
+            shown.append(actor.of(curve.radius))
+        return all(np.ptp(x) <= _ROUNDING * np.max(np.abs(x)) for x in shown)
 
-    def _curve(self, actor: Actor) -> Callable[[int], tuple[Floats, Floats]]:
-        """The wire or the parabola at a sample."""
-        frame_x, frame_y = self.path(actor, "frame_x", "frame_y")
-        if actor.kind == BEAD:
+    def _curve(self, actor: Actor, curve: Circle | Curve) -> Callable[[int], tuple[Floats, Floats]]:
+        """A curve at a sample."""
+        left, low = self._origin(actor)
+        if isinstance(curve, Circle):
             turn = np.linspace(0.0, 2.0 * np.pi, 181)
-            x, y = actor.size * np.cos(turn), actor.size * np.sin(turn)
-            return lambda k: (frame_x[k] + x, frame_y[k] + y)
-        u = np.linspace(-1.0, 1.0, 97) * actor.reach()
-        coefficient = actor.places["coefficient"]
-        return lambda k: (frame_x[k] + u, frame_y[k] + coefficient[k] * u * u)
+            x, y, radius = (actor.of(formula) for formula in curve[:3])
+            return lambda k: (
+                x[k] - left[k] + radius[k] * np.cos(turn),
+                y[k] - low[k] + radius[k] * np.sin(turn),
+            )
+        s = np.linspace(*actor.span(curve), 97)
+        return lambda k: (
+            actor.of(curve.x, s, k) - left[k],
+            actor.of(curve.y, s, k) - low[k],
+        )
