@@ -17,6 +17,7 @@ from curvebound import cache
 from curvebound.errors import CurveboundError
 from curvebound.fmi import compile as kernel
 from curvebound.fmi.cached import cached_fmu
+from curvebound.fmi.folder import find
 
 SOURCES = Path(cache.__file__).parents[1]
 
@@ -249,9 +250,9 @@ def test_other_sources_are_another_fmu_in_another_place(
 ) -> None:
     """Two checkouts, or a branch and what it changed, never meet each other's."""
     monkeypatch.setattr(kernel, "why_not", lambda: "no C compiler found")
-    first = cached_fmu("BeadOnWire")
+    first = cached_fmu(find("BeadOnWire"))
     bytes_of_first = first.read_bytes()
-    assert cached_fmu("BeadOnWire") == first
+    assert cached_fmu(find("BeadOnWire")) == first
     from shutil import copytree, ignore_patterns
 
     copy = tmp_path / "checkout"
@@ -265,7 +266,8 @@ def test_other_sources_are_another_fmu_in_another_place(
         "from curvebound.fmi import compile as kernel\n"
         "kernel.why_not = lambda: 'no C compiler found'\n"
         "from curvebound.fmi.cached import cached_fmu\n"
-        "print(cached_fmu('BeadOnWire'))\n"
+        "from curvebound.fmi.folder import find\n"
+        "print(cached_fmu(find('BeadOnWire')))\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],

@@ -123,17 +123,4 @@ FMU = Fmu(
     },
     reference_inputs={"pendulum.angle": (0.5, 0.4), "parabola.x": (0.2, 0.3)},
     plotted=("parabola.ax",),
-    documentation="""
-<h2>Law</h2>
-<pre>parabola.ax = limit( &minus;K (measurement &minus; reference) + waveform )</pre>
-<p>K are the six feedback gains; the waveform goes to the output that waveform.axis names. Feedback,
-reference, waveform and limit parameters are tunable: a change takes effect at the next
-communication point or sample.</p>
-<h2>How to couple it</h2>
-<p>With sample.period = 0 parabola.ax depends on the six measurements of the same instant (direct
-feedthrough, declared in ModelStructure): evaluate it after the plant's outputs and before the
-plant's step, and the loop has no delay. With a period the measurements are taken at its multiples
-and the outputs held in between. The waveform is evaluated at the start of the interval over which
-it is held.</p>
-""",
 )

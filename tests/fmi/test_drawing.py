@@ -10,16 +10,16 @@ import pytest
 
 from curvebound.errors import CurveboundError
 from curvebound.fmi.drawing import Circle, Curve, Drawing, Plot, Point, Rod, carried, complete, read
-from curvebound.fmi.folder import load_declaration, load_drawing, names
+from curvebound.fmi.folder import find, names
 from curvebound.fmi.formula import evaluate, parse, variables_of
 
-BEAD = load_declaration("BeadOnWire")
+BEAD = find("BeadOnWire").fmu()
 
 
 @pytest.mark.parametrize("name", names())
 def test_an_fmu_carries_its_drawing(interpreted_fmus: Path, name: str) -> None:
     with zipfile.ZipFile(interpreted_fmus / f"{name}.fmu") as archive:
-        assert read(archive.read("resources/drawing.json")) == load_drawing(name)
+        assert read(archive.read("resources/drawing.json")) == find(name).drawing()
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from curvebound.fmi.folder import load_declaration
+from curvebound.fmi.folder import find
 from curvebound.fmi.slave import table_of
 
 
 def _engine(name: str):
-    fmu = load_declaration(name)
+    fmu = find(name).fmu()
     return fmu.system.create(table_of(fmu), "")
 
 

@@ -17,7 +17,7 @@ from curvebound.cosim.prepared import Prepared
 from curvebound.cosim.results import RunFailed
 from curvebound.cosim.scene import Scene
 from curvebound.fmi.declaration import CHOICE, COUNT, INPUT, OUTPUT, PARAMETER, Variable
-from curvebound.fmi.folder import load_declaration
+from curvebound.fmi.folder import find
 from curvebound.study.stability.kernels import kernel_of
 from curvebound.study.stability.ranges import SYSTEMS
 
@@ -61,7 +61,7 @@ _tries: Counter[bool] = Counter()
 
 @lru_cache
 def variables(system: str) -> dict[str, Variable]:
-    return {v.name: v for v in load_declaration(FMUS[system]).variables}
+    return {v.name: v for v in find(FMUS[system]).fmu().variables}
 
 
 def of_kind(system: str, *kinds: str) -> list[str]:

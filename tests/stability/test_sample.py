@@ -11,7 +11,7 @@ import pytest
 
 from curvebound.bench.references import REFERENCES
 from curvebound.fmi.declaration import INPUT, PARAMETER
-from curvebound.fmi.folder import load_declaration
+from curvebound.fmi.folder import find
 from curvebound.study.stability import motion, sample
 from curvebound.study.stability.characteristic import LONGEST, exact
 from curvebound.study.stability.kernels import kernel_of
@@ -23,7 +23,7 @@ from curvebound.study.stability.sample_report import passes, print_sample, write
 
 def declared_start(system: str) -> dict[str, float | str]:
     """The declared start values, in coordinates that sample and reference share."""
-    variables = load_declaration(SYSTEMS[system][0]).variables
+    variables = find(SYSTEMS[system][0]).fmu().variables
     real = {v.name: float(v.start or 0.0) for v in variables if v.kind in (PARAMETER, INPUT)}
     choice = {"bead": ("model.formulation", "angle"), "pendulum": ("model.fidelity", "nonlinear")}
     return {**real, **dict([choice[system]])}
@@ -41,7 +41,7 @@ def test_points_do_not_depend_on_their_number() -> None:
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_points_set_everything_within_its_domain(system: str) -> None:
-    declared = {v.name: v for v in load_declaration(SYSTEMS[system][0]).variables}
+    declared = {v.name: v for v in find(SYSTEMS[system][0]).fmu().variables}
     physical = {
         name
         for name, v in declared.items()

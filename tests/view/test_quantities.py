@@ -5,21 +5,21 @@ from __future__ import annotations
 import pytest
 
 from curvebound.fmi.drawing import Drawing, Plot
-from curvebound.fmi.folder import load_declaration, load_drawing, names
+from curvebound.fmi.folder import find, names
 from curvebound.view.quantities import plots_of, quantity, readouts_of
 
 
 @pytest.mark.parametrize("fmu", names())
 def test_units_are_those_that_the_fmus_declare(fmu: str) -> None:
-    drawing = load_drawing(fmu)
-    for variable in load_declaration(fmu).variables:
+    drawing = find(fmu).drawing()
+    for variable in find(fmu).fmu().variables:
         if variable.type is None:
             assert quantity(variable.name, drawing).unit == variable.unit
 
 
 @pytest.mark.parametrize("fmu", names())
 def test_every_output_has_one_plot_of_one_unit(fmu: str) -> None:
-    drawing = load_drawing(fmu)
+    drawing = find(fmu).drawing()
     plotted = [name for plot in drawing.plots for name in plot.names]
     assert set(drawing.outputs) <= set(plotted)
     assert len(set(plotted)) == len(plotted)
@@ -40,5 +40,5 @@ def test_plots_of_one_title_are_united_and_keep_both_orders() -> None:
 
 
 def test_an_unknown_variable_names_itself() -> None:
-    told = quantity("engine.speed", load_drawing("BeadOnWire"))
+    told = quantity("engine.speed", find("BeadOnWire").drawing())
     assert (told.label, told.unit, told.error) == ("engine.speed", "", False)

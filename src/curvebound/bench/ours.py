@@ -47,9 +47,9 @@ def method_items() -> dict[str, int]:
 def defaults(name: str) -> tuple[dict[str, float], dict[str, int]]:
     """Start values of the Real parameters and of the choices of an FMU."""
     from ..fmi.declaration import CHOICE, COUNT_PARAMETER, PARAMETER
-    from ..fmi.folder import load_declaration
+    from ..fmi.folder import find
 
-    variables = load_declaration(name).variables
+    variables = find(name).fmu().variables
     return (
         {v.name: float(v.start) for v in variables if v.kind == PARAMETER},
         {v.name: int(v.start) for v in variables if v.kind in (CHOICE, COUNT_PARAMETER)},

@@ -1,7 +1,8 @@
-"""Build FMUs: all of them, or those named.
+"""Build FMUs: those that come with curvebound, or those named.
 
-example:
+examples:
   curvebound build BeadOnWire --out fmus/
+  curvebound build path/to/my_system
 """
 
 from __future__ import annotations
@@ -15,7 +16,12 @@ HELP = "build the FMUs"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument("name", nargs="*", metavar="NAME", help="an FMU (default: all)")
+    parser.add_argument(
+        "name",
+        nargs="*",
+        metavar="NAME",
+        help="an FMU, or a system's folder (default: all of ours)",
+    )
     parser.add_argument(
         "--out", type=Path, default=Path("build"), metavar="DIR", help="folder (default: build/)"
     )

@@ -136,14 +136,14 @@ def _settings(scene: Scene) -> dict[str, str]:
 
 def _measures(scene: Scene) -> list[str]:
     """What the table shows, by path, where a component has it."""
-    from ..fmi.folder import load_declaration
+    from ..fmi.folder import find
 
     wanted = ("solver.steps", "energy.residual", "constraint.drift")
     return [
         f"{component.name}.{variable.name}"
         for component in scene.components.values()
         if isinstance(component.source, str)
-        for variable in load_declaration(component.source).variables
+        for variable in find(component.source).fmu().variables
         if variable.name in wanted
     ]
 

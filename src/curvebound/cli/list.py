@@ -17,7 +17,12 @@ HELP = "show scenes, FMUs and their variables"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument("name", nargs="*", metavar="NAME", help="only these FMUs (default: all)")
+    parser.add_argument(
+        "name",
+        nargs="*",
+        metavar="NAME",
+        help="only these FMUs, or systems' folders (default: all of ours)",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -27,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     from rich.table import Table
 
     from ..cosim import load_scene, scene_names
-    from ..fmi.folder import load_declaration, names
+    from ..fmi.folder import find, names
 
     console = Console(highlight=False)
     if not options.name:
@@ -40,9 +45,9 @@ def run(options: argparse.Namespace) -> int:
             scenes.add_row(scene, escape(shows))
         console.print(scenes)
     for name in options.name or names():
-        fmu = load_declaration(name)
+        fmu = find(name).fmu()
         table = Table(
-            "variable", "kind", "unit", "start", title=f"\n{name}: {fmu.description}",
+            "variable", "kind", "unit", "start", title=f"\n{fmu.name}: {fmu.description}",
             title_justify="left", box=None, pad_edge=False,
         )  # fmt: skip
         for variable in fmu.ordered():

@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from ..errors import CurveboundError
+from ..fmi.folder import Folder, find
 from .fmu import Fmu, Value, Variable, nearest, read_fmu
 from .ordering import Ordering
 from .scene import ALGORITHMS, Component, Scene
@@ -330,11 +331,12 @@ class _Resolution:
 def _locate(source: str | Path, folder: Path | None) -> Path:
     """The FMU file that a component names; one of ours is built if need be."""
     path = Path(source)
-    if isinstance(source, str) and path.suffix.lower() != ".fmu" and path.name == source:
-        built = _built(source)
+    if path.suffix.lower() != ".fmu":
+        system = find(source, folder)
+        built = _built(system)
         if not built.is_file():  # the cache was emptied
             _built.cache_clear()
-            built = _built(source)
+            built = _built(system)
         return built
     if folder is not None and not path.is_absolute():
         path = folder / path
@@ -342,11 +344,11 @@ def _locate(source: str | Path, folder: Path | None) -> Path:
 
 
 @functools.cache
-def _built(name: str) -> Path:
-    """One of our FMUs, built; once in a process, as its sources do not change under it."""
+def _built(system: Folder) -> Path:
+    """The FMU of a system, built; once in a process, as its sources do not change under it."""
     from ..fmi.cached import cached_fmu
 
-    return cached_fmu(name)
+    return cached_fmu(system)
 
 
 def _units_differ(a: Variable, b: Variable) -> bool:

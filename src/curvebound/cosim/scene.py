@@ -24,8 +24,10 @@ ALGORITHMS = ("gauss_seidel", "jacobi", "strang")
 
 @dataclass
 class Component:
-    """One FMU in a scene: `source` is one of ours by name, or the path of any.
+    """One FMU in a scene: `source` is the path of an FMU, or a system that is built if need be.
 
+    A system is named by its folder's path, or by name: among those in the folder `systems` beside
+    the scene, or that come with the package. Paths start at the scene's folder.
     feedthrough: None takes the dependencies that the FMU declares; False says that no output
     depends directly on an input, a mapping of output to inputs says which do.
     """

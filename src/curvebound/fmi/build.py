@@ -22,7 +22,7 @@ from . import forwarding
 from .description import timestamp
 from .documentation import documentation_files
 from .drawing import carried
-from .folder import folder_of, load_declaration, load_drawing
+from .folder import Folder, find
 from .runtime import Runtime, runtime
 
 __all__ = ["BuiltFmu", "build"]
@@ -32,7 +32,7 @@ __all__ = ["BuiltFmu", "build"]
 _MAIN = """\
 from {package}.fmi import slave
 
-from {declaration} import FMU
+from {system}.fmu import FMU
 
 slave.hold(globals())
 
@@ -60,15 +60,19 @@ class BuiltFmu(NamedTuple):
     message: str
 
 
-def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
-    """Build the FMU `name` into the folder `out` as NAME.fmu.
+def build(which: str | Path | Folder, out: Path, *, compiled: bool = True) -> BuiltFmu:
+    """Build the FMU of a system into the folder `out` as NAME.fmu.
+
+    which: the system's name, the path of its folder (see find), or the Folder.
 
     With `compiled` the kernel is compiled where that is possible. Building twice gives the same
-    bytes. Raises CurveboundError for an unknown name or a failing compiler.
+    bytes. Raises CurveboundError for an unknown system, a mistake in it or a failing compiler.
     """
     began = time.perf_counter()
-    folder = folder_of(name)
-    source = (folder / "fmu.py").read_bytes()
+    folder = which if isinstance(which, Folder) else find(which)
+    name = folder.name
+    drawing = carried(folder.drawing())  # first: it says what is wrong in the folder
+    own = folder.sources()
     sources = runtime()
     extensions: dict[str, bytes] = {}
     how = "interpreted (--no-compile)"
@@ -82,28 +86,30 @@ def build(name: str, out: Path, *, compiled: bool = True) -> BuiltFmu:
     package = sources.package(compiled=bool(extensions))
     parts = ("description.py", "units.py", forwarding.SOURCE.name)
     described = b"".join((_HERE / part).read_bytes() for part in parts)
-    drawing = carried(load_drawing(name))
-    digest = hashlib.sha256(sources.digest.encode() + source + described + drawing).hexdigest()
+    content = [sources.digest.encode(), described, drawing, *(p.encode() + own[p] for p in own)]
+    digest = hashlib.sha256(b"\0".join(content)).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     suffix = digest[:12] + ("c" if extensions else "")
-    declaration = f"{name}_declaration_{suffix}"
+    system = f"{name}_system_{suffix}"
     texts = {
         f"{name}_{suffix}.py": _MAIN.format(
             package=package,
-            declaration=declaration,
+            system=system,
             name=name,
             guid=guid,
             forwarded=("linux",) if forwarder else (),
         ).encode(),
-        f"{declaration}.py": re.sub(
-            rb"(?m)^from curvebound\.", f"from {package}.".encode(), source
-        ),
+        f"{system}/__init__.py": b"",
     }
+    for file, source in own.items():
+        texts[f"{system}/{file}"] = re.sub(
+            rb"(?m)^from curvebound\.", f"from {package}.".encode(), source
+        )
     files = _pack(name, f"{name}_{suffix}", texts, sources, package)
     files.update({f"resources/{path}": content for path, content in extensions.items()})
     _isolate(files, package)
     files["resources/drawing.json"] = drawing
-    files.update(documentation_files(load_declaration(name), folder))
+    files.update(documentation_files(folder))
     if forwarder:
         binary = f"binaries/linux64/{name}.so"
         files["binaries/linux64/pythonfmu-export.so"] = files[binary]
@@ -126,10 +132,11 @@ def _pack(
         stage = Path(scratch) / "stage"
         stage.mkdir()
         for file, content in texts.items():
+            (stage / file).parent.mkdir(exist_ok=True)
             (stage / file).write_bytes(content)
         sources.write(stage, package)
         others = [path for path in stage.iterdir() if path.name != f"{main}.py"]
-        with _own_modules(package, *(file[:-3] for file in texts)):
+        with _own_modules(package, *(Path(file).parts[0].removesuffix(".py") for file in texts)):
             target = FmuBuilder.build_FMU(
                 stage / f"{main}.py", dest=Path(scratch) / f"{name}.fmu", project_files=others
             )

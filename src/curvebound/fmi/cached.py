@@ -9,10 +9,10 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .. import cache
-from ..places import fmus_directory
 from . import compile as kernel
 from .build import build
 from .description import timestamp
+from .folder import Folder
 from .forwarding import compile_forwarder
 from .runtime import runtime
 
@@ -21,21 +21,20 @@ __all__ = ["cached_fmu"]
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
-def cached_fmu(name: str) -> Path:
-    """The FMU called `name`, built from the sources as they are now.
+def cached_fmu(folder: Folder) -> Path:
+    """The FMU of a system, built from the sources as they are now.
 
-    Raises CurveboundError for an unknown name or a failing compiler.
+    Raises CurveboundError for a mistake in the system or a failing compiler.
     """
     forwarder = compile_forwarder()
     extensions = {} if kernel.why_not() else kernel.compile_kernel(runtime())
     binaries = [*sorted(extensions.items()), ("", forwarder.read_bytes() if forwarder else b"")]
     parts = [
-        name,
-        cache.sources(_PACKAGE, fmus_directory()),
+        cache.sources(_PACKAGE, folder.path),
         *(f"{path} {hashlib.sha256(content).hexdigest()}" for path, content in binaries),
         version("pythonfmu"),
         timestamp().isoformat(),
         sys.version,
         platform.platform(),
     ]
-    return cache.entry("fmus", parts, lambda to: build(name, to)) / f"{name}.fmu"
+    return cache.entry("fmus", parts, lambda to: build(folder, to)) / f"{folder.name}.fmu"

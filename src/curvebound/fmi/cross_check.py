@@ -8,7 +8,7 @@ from pathlib import Path
 from .build import build
 from .declaration import Fmu
 from .documentation import csv_text
-from .folder import load_declaration
+from .folder import find
 from .reference import TOLERANCE, ReferenceResult, reference_result
 
 __all__ = ["write_cross_check"]
@@ -33,13 +33,15 @@ _README = """\
 
 def write_cross_check(name: str, out: Path, *, compiled: bool = True) -> Path:
     """Write the folder OUT/NAME; returns it. It appears whole: a failure leaves the old one."""
-    fmu = load_declaration(name)
+    folder = find(name)
+    fmu = folder.fmu()
+    name = fmu.name
     target = out / name
     scratch = out / f".{name}.part"
     shutil.rmtree(scratch, ignore_errors=True)
     scratch.mkdir(parents=True)
     try:
-        build(name, scratch, compiled=compiled)
+        build(folder, scratch, compiled=compiled)
         exact = reference_result(fmu)
         bounds = _bounds(exact, reference_result(fmu, exact=False))
         _write_text(scratch, fmu, exact, bounds)

@@ -125,8 +125,6 @@ class Fmu(NamedTuple):
     variables: tuple[Variable, ...]
     stop_time: float = 10.0
     step_size: float = 0.01
-    #: HTML: equations, how to couple it, what accuracy costs
-    documentation: str = ""
     #: the reference experiment: start values, inputs as sines (amplitude, Hz), outputs to plot
     reference_start: dict[str, float | str] = {}
     reference_inputs: dict[str, tuple[float, float]] = {}

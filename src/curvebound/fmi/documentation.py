@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from html import escape
 from importlib.metadata import distribution
-from pathlib import Path
 
 from .. import __version__
 from ..places import license_text
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
+from .folder import Folder
 from .reference import ReferenceResult, reference_result
 
 __all__ = ["csv_text", "documentation_files"]
@@ -32,21 +32,21 @@ svg, img { max-width: 100%; height: auto; }
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 
 
-def documentation_files(fmu: Fmu, folder: Path) -> dict[str, bytes]:
-    """Path in the FMU -> content; `folder` holds the declaration and, if any, its icon.png and the
-    pictures *.svg that its documentation shows."""
+def documentation_files(folder: Folder) -> dict[str, bytes]:
+    """The page, the reference result, licences, icon and pictures: path in the FMU -> content."""
+    fmu = folder.fmu()
     result = reference_result(fmu)
     files = {
-        "documentation/index.html": _page(fmu, result).encode(),
+        "documentation/index.html": _page(fmu, folder.documentation(), result).encode(),
         "documentation/reference.csv": csv_text(result.outputs).encode(),
         "documentation/licenses/license.txt": _licences().encode(),
     }
     if len(result.inputs) > 1:
         files["documentation/reference_inputs.csv"] = csv_text(result.inputs).encode()
-    icon = folder / "icon.png"
+    icon = folder.path / "icon.png"
     if icon.is_file():
         files["model.png"] = icon.read_bytes()
-    for picture in sorted(folder.glob("*.svg")):
+    for picture in sorted(folder.path.glob("*.svg")):
         files[f"documentation/{picture.name}"] = picture.read_bytes()
     return files
 
@@ -71,7 +71,7 @@ def _licences() -> str:
     return "\n".join(parts)
 
 
-def _page(fmu: Fmu, result: ReferenceResult) -> str:
+def _page(fmu: Fmu, told: str, result: ReferenceResult) -> str:
     name = escape(fmu.name)
     return f"""<!DOCTYPE html>
 <html lang="en">
@@ -85,7 +85,7 @@ def _page(fmu: Fmu, result: ReferenceResult) -> str:
 <h1>{name}</h1>
 <p>{escape(fmu.description)}. FMI 2.0 for co-simulation, curvebound {__version__}, MIT licence
 (<a href="licenses/license.txt">text</a>).</p>
-{fmu.documentation.strip()}
+{told.strip()}
 <h2>Parameters</h2>
 {_variables(fmu, (PARAMETER, CHOICE, COUNT_PARAMETER))}
 <h2>Inputs</h2>

@@ -1,9 +1,20 @@
-"""The folder of a system: what is declared of it, found by name and loaded."""
+"""The folder of a system: where it is found, what is declared in it, what travels in its FMU.
+
+fmu.py               FMU: variables, units, domains, enumerations
+kernel.py            the accelerations
+drawing.py           DRAWING: what to draw; optional
+documentation.html   what the FMU's page tells, with the pictures *.svg; optional
+icon.png             optional
+"""
 
 from __future__ import annotations
 
-import importlib.util
+import ast
+import hashlib
+import importlib
 import re
+import sys
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
@@ -12,55 +23,140 @@ from ..places import fmus_directory
 from .declaration import Fmu
 from .drawing import Drawing, complete
 
-__all__ = ["folder_of", "load_declaration", "load_drawing", "names", "shipped_drawings"]
+__all__ = ["Folder", "find", "names", "shipped_drawings"]
+
+#: the folder beside a scene, or in the working directory, in which systems are found by name
+BESIDE = "systems"
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A system's folder."""
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """The name of its FMU: that of the folder, in capitals instead of underscores."""
+        return "".join(word.capitalize() for word in self.path.name.split("_"))
+
+    def module(self, name: str) -> ModuleType:
+        """One of its Python modules, imported as part of a package of its own.
+
+        Folders of one name do not mix, nor does one with what it was before an edit: the package
+        is named after place and content. Raises CurveboundError where the module fails.
+        """
+        package = self._package()
+        writes = sys.dont_write_bytecode
+        sys.dont_write_bytecode = True  # an edit within the same second would go unseen
+        try:
+            importlib.invalidate_caches()
+            return importlib.import_module(f"{package}.{name}")
+        except CurveboundError:
+            raise
+        except Exception as error:
+            raise CurveboundError(
+                f"{self.path / name}.py fails to load: {type(error).__name__}: {error}"
+            ) from error
+        finally:
+            sys.dont_write_bytecode = writes
+
+    def _package(self) -> str:
+        """The package of which its modules are part; made where it is new."""
+        digest = hashlib.sha256(str(self.path).encode())
+        for source in sorted(self.path.glob("*.py")):
+            digest.update(f"\0{source.name}\0".encode() + source.read_bytes())
+        name = f"curvebound_system_{self.path.name}_{digest.hexdigest()[:12]}"
+        if name not in sys.modules:
+            package = ModuleType(name)
+            package.__path__ = [str(self.path)]
+            sys.modules[name] = package
+        return name
+
+    def fmu(self) -> Fmu:
+        """The declaration, FMU in fmu.py."""
+        fmu = getattr(self.module("fmu"), "FMU", None)
+        source = self.path / "fmu.py"
+        if not isinstance(fmu, Fmu):
+            raise CurveboundError(f"{source} declares no FMU: write FMU = Fmu(...)")
+        if fmu.name != self.name:
+            raise CurveboundError(
+                f"{source} declares an FMU {fmu.name!r}: call it {self.name!r}, or rename the"
+                " folder"
+            )
+        return fmu
+
+    def drawing(self) -> Drawing:
+        """DRAWING in drawing.py, completed; without one it has plots only."""
+        has = (self.path / "drawing.py").is_file()
+        drawing: Drawing = self.module("drawing").DRAWING if has else Drawing()
+        return complete(drawing, self.fmu())
+
+    def documentation(self) -> str:
+        """HTML: equations, how to couple it, what accuracy costs."""
+        path = self.path / "documentation.html"
+        return path.read_text(encoding="utf-8") if path.is_file() else ""
+
+    def sources(self) -> dict[str, bytes]:
+        """The modules that travel in the FMU: fmu.py and what it imports from the folder."""
+        found: dict[str, bytes] = {}
+        waiting = ["fmu"]
+        while waiting:
+            name = waiting.pop()
+            path = self.path / f"{name}.py"
+            if path.name not in found:
+                found[path.name] = path.read_bytes()
+                waiting += sorted(_siblings(path))
+        return dict(sorted(found.items()))
+
+
+def _siblings(path: Path) -> set[str]:
+    """The modules that a module imports from its own folder."""
+    return {
+        node.module or alias.name
+        for node in ast.walk(ast.parse(path.read_bytes()))
+        if isinstance(node, ast.ImportFrom) and node.level == 1
+        for alias in node.names
+    }
 
 
 def names() -> list[str]:
     """The FMUs that come with the package: one folder each in fmus/."""
-    return sorted(
-        "".join(word.capitalize() for word in path.parent.name.split("_"))
-        for path in fmus_directory().glob("*/fmu.py")
-    )
+    return sorted(Folder(path.parent).name for path in fmus_directory().glob("*/fmu.py"))
 
 
-def folder_of(name: str) -> Path:
-    """The folder of the system whose FMU is called `name`; CurveboundError where there is none."""
-    if name not in names():
-        raise CurveboundError(f"there is no FMU {name!r}: choose one of {', '.join(names())}")
-    return fmus_directory() / re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+def find(which: str | Path, beside: Path | None = None) -> Folder:
+    """The folder of a system.
 
+    which: a path to it, from `beside` on; or the name of its FMU, MySystem, or of its folder,
+        my_system, in the folder `systems` that is beside, or among those of the package.
+    beside: the folder of the scene that names it; by default the working directory.
 
-def load_declaration(name: str) -> Fmu:
-    """The declaration, FMU in fmu.py, of the system called `name`."""
-    folder = folder_of(name)
-    fmu: Fmu = _load(folder / "fmu.py").FMU
-    if fmu.name != name:
+    Raises CurveboundError where there is none.
+    """
+    here = Path.cwd() if beside is None else beside
+    path = Path(which)
+    as_path = (here / path.expanduser()).resolve()
+    if isinstance(which, str) and path.name == which:
+        stem = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", which).lower()
+        places = [here / BESIDE / stem, fmus_directory() / stem, as_path]
+    else:
+        places = [as_path]
+    for place in places:
+        if (place / "fmu.py").is_file():
+            return Folder(place.resolve())
+    if len(places) == 1:
         raise CurveboundError(
-            f"{folder / 'fmu.py'} declares an FMU {fmu.name!r}: call it {name!r}, or rename the"
-            " folder"
+            f"{as_path} is no folder of a system: it has no fmu.py; "
+            "`curvebound new NAME` writes one that runs"
         )
-    return fmu
-
-
-def load_drawing(name: str) -> Drawing:
-    """The drawing, DRAWING in drawing.py, of the system called `name`; its plots without one."""
-    source = folder_of(name) / "drawing.py"
-    drawing: Drawing = _load(source).DRAWING if source.is_file() else Drawing()
-    return complete(drawing, load_declaration(name))
+    others = [Folder(path.parent).name for path in (here / BESIDE).glob("*/fmu.py")]
+    raise CurveboundError(
+        f"there is no FMU {which!r}: choose one of {', '.join(sorted({*names(), *others}))}, or "
+        "give the path of a system's folder"
+    )
 
 
 def shipped_drawings() -> list[Drawing]:
     """The drawings of the systems that come with the package."""
-    return [load_drawing(name) for name in names()]
-
-
-def _load(source: Path) -> ModuleType:
-    """Execute a module of a system's folder."""
-    spec = importlib.util.spec_from_file_location(
-        f"curvebound_{source.parent.name}_{source.stem}", source
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return [find(name).drawing() for name in names()]
