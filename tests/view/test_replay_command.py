@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,8 @@ from motions import bead, pendulum
 
 from curvebound.cli import main
 from curvebound.cosim import write_csv
+from curvebound.fmi.build import build
+from curvebound.fmi.folder import find
 
 
 def model(page: Path) -> dict[str, Any]:
@@ -78,3 +82,38 @@ def test_too_many_results_and_a_place_that_cannot_be_written(
     assert "at most 8" in " ".join(capsys.readouterr().err.split())
     assert main(["replay", path, "--out", str(tmp_path / "bead.csv" / "page.html")]) == 1
     assert "cannot be written" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize("how", ["FMU", "folder", "beside"])
+def test_a_system_from_elsewhere_is_drawn(tmp_path: Path, how: str) -> None:
+    """What is told, or lies beside the result, goes before what is shipped."""
+    folder = tmp_path / ("systems" if how == "beside" else "mine") / "loop"
+    shutil.copytree(find("BeadOnWire").path, folder)
+    source = folder / "fmu.py"
+    source.write_text(source.read_text().replace('"BeadOnWire"', '"Loop"'))
+    drawing = folder / "drawing.py"
+    drawing.write_text(drawing.read_text().replace('Point("bead"', 'Point("ring"', 1))
+    drawing.write_text(drawing.read_text().replace('holds="bead"', 'holds="ring"', 1))
+    data = bead(1.0, 0.01)
+    arguments = ["replay", str(write_csv(data, tmp_path / "own.csv"))]
+    if how == "FMU":
+        made = build(folder, tmp_path, compiled=False).path
+        arguments += ["--system", str(made)]
+    elif how == "folder":
+        arguments += ["--system", str(folder)]
+    assert main(arguments) == 0
+    (actor,) = model(tmp_path / "own.html")["actors"]
+    assert actor["kind"] == "Loop"
+    assert [point["name"] for point in actor["points"]] == ["ring"]
+
+
+def test_an_fmu_of_another_tool_has_no_drawing(tmp_path: Path, capsys) -> None:
+    made = build("ParabolaDrive", tmp_path, compiled=False).path
+    bare = tmp_path / "bare.fmu"
+    with zipfile.ZipFile(made) as old, zipfile.ZipFile(bare, "w") as new:
+        for name in old.namelist():
+            if name != "resources/drawing.json":
+                new.writestr(name, old.read(name))
+    path = str(write_csv(bead(0.1, 0.01), tmp_path / "bead.csv"))
+    assert main(["replay", path, "--system", str(bare)]) == 1
+    assert "carries no drawing" in " ".join(capsys.readouterr().err.split())

@@ -1,20 +1,27 @@
 """Replay results in the browser: one HTML file that opens from disk and loads nothing.
 
 Several results of one scene share one picture, each in a colour of its own, with the distance
-from the first over time. A result is named after its file, or as told: LABEL=FILE.
+from the first over time. A result is named after its file, or as told: LABEL=FILE. What its columns
+are of is recognised where it is a system of ours, of a folder `systems` beside the file or here, or
+of --system.
 
 examples:
   curvebound replay bead.csv --open
   curvebound replay exact=fine.csv "h = 1/60"=cheap.csv --out compare.html
   curvebound replay bead.csv --picture bead.png --gif bead.gif
+  curvebound replay mine.csv --system MySystem.fmu
 """
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..arguments import file_of
+
+if TYPE_CHECKING:
+    from ..fmi.drawing import Drawing
 
 NAME = "replay"
 HELP = "replay results in the browser, side by side"
@@ -41,11 +48,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gif", type=file_of(".gif"), metavar="FILE.gif", help="also draw an animated picture"
     )
+    parser.add_argument(
+        "--system",
+        action="append",
+        default=[],
+        metavar="SYSTEM",
+        help="a system of the results: its folder, or its FMU; may be repeated",
+    )
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
 
 
 def run(options: argparse.Namespace) -> int:
     """Read, write, say where."""
+    from ..errors import CurveboundError
+    from ..fmi.folder import BESIDE, systems_in
     from ..view import read_result, write_gif, write_picture, write_replay
 
     paths = [_split(text) for text in options.results]
@@ -55,13 +71,20 @@ def run(options: argparse.Namespace) -> int:
         reading = read_result(path)
         results.append((label, reading.data))
         notes += [f"{label}: {note}" for note in reading.notes]
+    known = [_drawing(given) for given in options.system]
+    for place in dict.fromkeys([*(path.parent.resolve() for _, path in paths), Path.cwd()]):
+        for system in systems_in(place / BESIDE):
+            try:
+                known.append(system.drawing())
+            except CurveboundError as error:
+                notes.append(str(error))
     out = options.out or paths[0][1].with_suffix(".html")
-    write_replay(results, out, options.title, notes)
+    write_replay(results, out, options.title, notes, known)
     written = [out]
     if options.picture:
-        written.append(write_picture(results, options.picture, options.title))
+        written.append(write_picture(results, options.picture, options.title, known))
     if options.gif:
-        written.append(write_gif(results, options.gif))
+        written.append(write_gif(results, options.gif, known))
     for note in notes:
         print(f"note: {note}")
     for path in written:
@@ -71,6 +94,22 @@ def run(options: argparse.Namespace) -> int:
 
         webbrowser.open(out.resolve().as_uri())
     return 0
+
+
+def _drawing(given: str) -> Drawing:
+    """The drawing of a system, from its folder or its FMU."""
+    from ..cosim.fmu import read_fmu
+    from ..errors import CurveboundError
+    from ..fmi.folder import find
+
+    if not given.lower().endswith(".fmu"):
+        return find(given).drawing()
+    drawing = read_fmu(Path(given)).drawing
+    if drawing is None:
+        raise CurveboundError(
+            f"{given} carries no drawing: it was not built by curvebound; give another --system"
+        )
+    return drawing
 
 
 def _split(text: str) -> tuple[str | None, Path]:

@@ -23,7 +23,7 @@ from ..places import fmus_directory
 from .declaration import Fmu
 from .drawing import Drawing, complete
 
-__all__ = ["Folder", "find", "names", "shipped_drawings"]
+__all__ = ["BESIDE", "Folder", "find", "names", "shipped_drawings", "systems_in"]
 
 #: the folder beside a scene, or in the working directory, in which systems are found by name
 BESIDE = "systems"
@@ -120,9 +120,14 @@ def _siblings(path: Path) -> set[str]:
     }
 
 
+def systems_in(folder: Path) -> list[Folder]:
+    """The systems whose folders are in `folder`, by name."""
+    return [Folder(path.parent.resolve()) for path in sorted(folder.glob("*/fmu.py"))]
+
+
 def names() -> list[str]:
     """The FMUs that come with the package: one folder each in fmus/."""
-    return sorted(Folder(path.parent).name for path in fmus_directory().glob("*/fmu.py"))
+    return [system.name for system in systems_in(fmus_directory())]
 
 
 def find(which: str | Path, beside: Path | None = None) -> Folder:
@@ -150,7 +155,7 @@ def find(which: str | Path, beside: Path | None = None) -> Folder:
             f"{as_path} is no folder of a system: it has no fmu.py; "
             "`curvebound new NAME` writes one that runs"
         )
-    others = [Folder(path.parent).name for path in (here / BESIDE).glob("*/fmu.py")]
+    others = [system.name for system in systems_in(here / BESIDE)]
     raise CurveboundError(
         f"there is no FMU {which!r}: choose one of {', '.join(sorted({*names(), *others}))}, or "
         "give the path of a system's folder"
@@ -159,4 +164,4 @@ def find(which: str | Path, beside: Path | None = None) -> Folder:
 
 def shipped_drawings() -> list[Drawing]:
     """The drawings of the systems that come with the package."""
-    return [find(name).drawing() for name in names()]
+    return [system.drawing() for system in systems_in(fmus_directory())]

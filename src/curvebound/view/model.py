@@ -68,7 +68,10 @@ def build_model(
     actors = [(number, actor) for number, result in enumerate(shown) for actor in result.actors]
     if not actors:
         lack = missing(shown[0].data, known)
-        said.append(f"Nothing in these columns can be drawn, so only plots are shown: {lack}.")
+        said.append(
+            f"Nothing in these columns can be drawn, so only plots are shown: {lack}; "
+            "--system names another system."
+        )
     for number, actor in actors:
         said += [f"{shown[number].label}: {note}." for note in actor.notes]
     model: dict[str, Any] = {
