@@ -1,0 +1,356 @@
+"""From positions and forces to accelerations, reactions, energies and power.
+
+Notation: a row i is one Cartesian component of one mass; J_ik = d(position_i)/d(q_k), f_i the force
+on it less mass times the acceleration that is left when q'' = 0, C_ij = J_i0 J_j1 - J_j0 J_i1.
+By Cauchy and Binet, with sums over i < j,
+
+    D       = sum m_i m_j C_ij^2
+    q_0'' D = sum C_ij (m_j f_i J_j1 - m_i f_j J_i1)
+    q_1'' D = sum C_ij (m_i f_j J_i0 - m_j f_i J_j0)
+
+and the force with which constraints act on row i (f_i and what is missing to its acceleration)
+
+    R_i D = -sum C_jk (m_j m_k C_jk f_i - m_i m_k C_ik f_j + m_i m_j C_ij f_k)     j, k other than i
+
+For one coordinate D = sum m_i J_i^2, q'' D = sum J_i f_i, R_i D = -sum J_j (m_j J_j f_i - m_i J_i
+f_j). Generalised forces (couples) enter by the adjugate of the mass matrix. No ratio of masses
+cancels in any of these sums.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from itertools import combinations
+from typing import NamedTuple
+
+import sympy
+from sympy import Expr, Integer, Symbol
+
+from .constrained import Constrained
+from .statement import Coordinate, Input, Mass, Mechanics, Parameter
+from .sums import Sum, over, shorter
+
+__all__ = ["Derivation", "Row"]
+
+ONE = Integer(1)
+ZERO = Integer(0)
+
+
+class Row(NamedTuple):
+    """One Cartesian component of a mass.
+
+    axis: 0 for x, 1 for y. position: from the frame. slopes: J. left: the acceleration relative to
+    the frame that is left without q''. field: the symbol of gravity less the frame's acceleration.
+    external, drag: forces on it.
+    """
+
+    of: Mass
+    axis: int
+    position: Expr
+    slopes: list[Expr]
+    left: Expr
+    field: Symbol
+    external: Expr
+    drag: Expr
+
+    @property
+    def mass(self) -> Parameter:
+        """Its mass."""
+        return self.of.mass
+
+
+class Derivation:
+    """What follows from a statement, as expressions of the symbols below and of the statement.
+
+    field: (ex, ey) gravity less the acceleration of the frame. gravity: (gravity.x, gravity.y).
+    place, motion, push: position, velocity and acceleration of the frame. Shapes and their rates
+    are those of the present time.
+    """
+
+    def __init__(self, mechanics: Mechanics) -> None:
+        self.mechanics = mechanics
+        self.q: list[Coordinate] = list(mechanics.coordinates)
+        self.v: list[Symbol] = [c.rate for c in self.q]
+        self.field = [Symbol("field.x", real=True), Symbol("field.y", real=True)]
+        self.gravity = [Parameter("gravity.x"), Parameter("gravity.y")]
+        self.place = [Symbol("frame.x", real=True), Symbol("frame.y", real=True)]
+        self.motion = [Symbol("frame.vx", real=True), Symbol("frame.vy", real=True)]
+        self.push = [Symbol("frame.ax", real=True), Symbol("frame.ay", real=True)]
+        self.potential = sympy.sympify(mechanics.potential)
+        #: abbreviations, in the order of their definition, which the expressions may contain
+        self.shared: dict[Symbol, Expr] = {}
+        #: the rows as they follow from the statement, and with abbreviations
+        self.raw = [row for m in mechanics.masses for row in self._rows(m)]
+        self.rows = self._abbreviated()
+        #: generalised forces: couples (drag on coordinates apart), drag, and of the potential
+        self.couples = [sympy.sympify(mechanics.couples.get(c, ZERO)) for c in self.q]
+        self.resisting = [
+            -sympy.Add(*(d.coefficient for d in mechanics.damping if d.of == c)) * v
+            for c, v in zip(self.q, self.v, strict=True)
+        ]
+        self.restoring = [-self.potential.diff(c) for c in self.q]
+
+    def _rows(self, m: Mass) -> list[Row]:
+        moving = [(s, s.rate) for s in (*self.q, *self.mechanics.shapes)]
+        rows = []
+        added = self.mechanics.forces.get(m, (ZERO, ZERO))
+        for axis, position in enumerate((m.x, m.y)):
+            slopes = [position.diff(c) for c in self.q]
+            left = sympy.Add(
+                *(position.diff(a, b) * u * w for a, u in moving for b, w in moving),
+                *(position.diff(s) * s.acceleration for s in self.mechanics.shapes),
+            )
+            along = self._frozen(slopes)
+            drags = [d.coefficient for d in self.mechanics.damping if d.of == m]
+            rows.append(
+                Row(
+                    m,
+                    axis,
+                    position,
+                    slopes,
+                    left,
+                    self.field[axis],
+                    m.force[axis] + sympy.sympify(added[axis]),
+                    -sympy.Add(*drags) * along,
+                )
+            )
+        return rows
+
+    def _frozen(self, slopes: list[Expr]) -> Expr:
+        """Velocity relative to the frame with the shapes held."""
+        return sympy.Add(*(j * v for j, v in zip(slopes, self.v, strict=True)))
+
+    def _abbreviated(self) -> list[Row]:
+        """The rows with names for what several share: a mass hangs from another, or slides on."""
+        rows = list(self.raw)
+        for i, row in enumerate(rows):
+            for k, slope in enumerate(row.slopes):
+                if sympy.count_ops(slope) == 0 or slope in self.shared:
+                    continue
+                later = [r for r in rows[i + 1 :] if sympy.expand(r.slopes[k] - slope) == 0]
+                if later or not slope.has(sympy.Function):
+                    symbol = Symbol(f"{row.of.name}.slope_{'xy'[row.axis]}{k}", real=True)
+                    self.shared[symbol] = slope
+                    for n, r in enumerate(rows):
+                        if n == i or r in later:
+                            slopes = list(r.slopes)
+                            slopes[k] = symbol
+                            drag = r.drag.subs(slope, symbol) if r.drag != 0 else ZERO
+                            rows[n] = r._replace(slopes=slopes, drag=drag)
+        for i, row in enumerate(rows):
+            for j in range(i):
+                other = rows[j]
+                if other.axis != row.axis or sympy.count_ops(other.left) < 2:
+                    continue
+                rest = sympy.expand(row.left) - sympy.expand(other.left)
+                if sympy.count_ops(rest) + 1 < sympy.count_ops(row.left):
+                    symbol = Symbol(f"{other.of.name}.left_{'xy'[row.axis]}", real=True)
+                    self.shared[symbol] = other.left
+                    rows[j] = other._replace(left=symbol)
+                    rows[i] = row._replace(left=symbol + rest)
+                    break
+        return rows
+
+    def along(self, expression: Expr, by: Symbol) -> Expr:
+        """The derivative of an expression with abbreviations."""
+        found = expression.diff(by)
+        for symbol, e in self.shared.items():
+            if expression.has(symbol):
+                found += expression.diff(symbol) * self.along(e, by)
+        return found
+
+    # -- accelerations ---------------------------------------------------------------------------
+    @cached_property
+    def accelerations(self) -> tuple[list[Expr], Expr]:
+        """Numerators of q'' and their common denominator."""
+        return over([n.short() for n in self._numerators], self.determinant)
+
+    @cached_property
+    def determinant(self) -> Sum:
+        """D."""
+        found = Sum()
+        if len(self.q) == 1:
+            for row in self.rows:
+                found.add(row.mass, "", row.slopes[0] ** 2)
+        for a, b in combinations(self.rows, 2) if len(self.q) == 2 else ():
+            found.add(a.mass * b.mass, "", self._minor(a, b) ** 2)
+        return found.short()
+
+    def _minor(self, a: Row, b: Row) -> Expr:
+        key = (a.of.name, a.axis, b.of.name, b.axis)
+        if key not in self._minors:
+            found = a.slopes[0] * b.slopes[1] - b.slopes[0] * a.slopes[1]
+            self._minors[key] = shorter(found)
+        return self._minors[key]
+
+    @cached_property
+    def _minors(self) -> dict[tuple[str, int, str, int], Expr]:
+        return {}
+
+    @staticmethod
+    def _forces(row: Row) -> list[tuple[Expr, str, Expr]]:
+        """What adds up to f of a row: factor, of what it is, force."""
+        return [
+            (row.mass, "field", row.field - row.left),
+            (ONE, f"force on {row.of.name}", row.external),
+            (ONE, f"drag on {row.of.name}", row.drag),
+        ]
+
+    @cached_property
+    def _own(self) -> list[Expr]:
+        """Generalised forces on the coordinates themselves."""
+        three = zip(self.couples, self.resisting, self.restoring, strict=True)
+        return [sympy.Add(*x) for x in three]
+
+    @property
+    def _numerators(self) -> list[Sum]:
+        found = [Sum() for _ in self.q]
+        if len(self.q) == 1:
+            for row in self.rows:
+                for factor, what, force in self._forces(row):
+                    found[0].add(factor, what, row.slopes[0] * force)
+            found[0].add(ONE, "couples", self._own[0])
+            return found
+        for a, b in combinations(self.rows, 2):
+            c = self._minor(a, b)
+            if c == 0:
+                continue
+            # of both at once: shorter before it is multiplied
+            for (of_a, what, fa), (of_b, other, fb) in zip(
+                self._forces(a), self._forces(b), strict=True
+            ):
+                for k, sign in ((1, 1), (0, -1)):
+                    if what == other:
+                        one = shorter(fa * b.slopes[k] - fb * a.slopes[k])
+                        found[1 - k].add(of_a * b.mass, what, sign * c * one)
+                    else:
+                        found[1 - k].add(of_a * b.mass, what, sign * c * b.slopes[k] * fa)
+                        found[1 - k].add(of_b * a.mass, other, -sign * c * a.slopes[k] * fb)
+        for row in self.rows:
+            j0, j1 = row.slopes
+            for k, term in enumerate(
+                (
+                    self._own[0] * j1 * j1 - self._own[1] * j0 * j1,
+                    self._own[1] * j0 * j0 - self._own[0] * j0 * j1,
+                )
+            ):
+                found[k].add(row.mass, "couples", term)
+        return found
+
+    # -- reactions -------------------------------------------------------------------------------
+    def reaction(self, factors: list[Expr]) -> Expr:
+        """sum factor_i R_i, a factor to each row, damping of the masses included."""
+        total = Sum()
+        damping = ZERO
+        for row, factor in zip(self.rows, factors, strict=True):
+            if factor != 0:
+                total = total.plus(self._reactions[row.of.name, row.axis].times(factor))
+                damping += factor * row.drag
+        (numerator,), denominator = over([total.short()], self.determinant)
+        return numerator / denominator + shorter(damping)
+
+    @cached_property
+    def _reactions(self) -> dict[tuple[str, int], Sum]:
+        """R_i D by mass and axis, without the drag itself."""
+        return {(row.of.name, row.axis): self._reaction(row).short() for row in self.rows}
+
+    def _reaction(self, row: Row) -> Sum:
+        found = Sum()
+        others = [r for r in self.rows if r is not row]
+
+        def add(of: Row, monomial: Expr, factor: Expr) -> None:
+            for m, what, force in self._forces(of):
+                found.add(m * monomial, what, factor * force)
+
+        if len(self.q) == 1:
+            (j,) = row.slopes
+            for a in others:
+                (ja,) = a.slopes
+                add(row, a.mass, -ja * ja)
+                add(a, row.mass, ja * j)
+            found.add(row.mass, "couples", j * self._own[0])
+            return found
+        for a, b in combinations(others, 2):
+            c = self._minor(a, b)
+            add(row, a.mass * b.mass, -c * c)
+            add(a, row.mass * b.mass, c * self._cross(row, b))
+            add(b, row.mass * a.mass, -c * self._cross(row, a))
+        for a in others:
+            couple = self._own[0] * a.slopes[1] - self._own[1] * a.slopes[0]
+            found.add(row.mass * a.mass, "couples", self._cross(row, a) * couple)
+        return found
+
+    def _cross(self, a: Row, b: Row) -> Expr:
+        """C_ij in the order of the rows given."""
+        if self.rows.index(a) < self.rows.index(b):
+            return self._minor(a, b)
+        return -self._minor(b, a)
+
+    @cached_property
+    def held(self) -> list[Expr]:
+        """Forces with which frame (x, y) and shapes act on the masses.
+
+        The force that goes with a shape is the power that it spends per rate of the shape.
+        """
+        found = []
+        for axis in (0, 1):
+            factors: list[Expr] = [ONE if row.axis == axis else ZERO for row in self.rows]
+            found.append(self.reaction(factors))
+        for s in self.mechanics.shapes:
+            found.append(self.reaction([row.position.diff(s) for row in self.raw]))
+        return found
+
+    def observed(self, expression: Expr) -> Expr:
+        """An expression of the statement, its reactions replaced."""
+        factors = [expression.diff(row.of.reaction[row.axis]) for row in self.rows]
+        still = {row.of.reaction[row.axis]: ZERO for row in self.rows}
+        rest = expression.subs(still)
+        if all(f == 0 for f in factors):
+            return rest
+        return self.reaction(factors) + rest
+
+    @cached_property
+    def constraint(self) -> Constrained | None:
+        """The Cartesian form, where the statement has one."""
+        stated = self.mechanics.constraint
+        return None if stated is None else Constrained(self, stated)
+
+    # -- motion and energies ---------------------------------------------------------------------
+    def velocity(self, row: Row) -> Expr:
+        """Velocity of a row relative to the frame."""
+        return sympy.Add(
+            self._frozen(row.slopes),
+            *(row.position.diff(s) * s.rate for s in self.mechanics.shapes),
+        )
+
+    @cached_property
+    def kinetic(self) -> Expr:
+        """Kinetic energy in the world."""
+        return sympy.Add(
+            *(r.mass * (self.motion[r.axis] + self.velocity(r)) ** 2 / 2 for r in self.raw)
+        )
+
+    @cached_property
+    def potential_terms(self) -> list[Expr]:
+        """What adds up to the potential energy in the world."""
+        found = [
+            -r.mass * self.gravity[r.axis] * (self.place[r.axis] + r.position) for r in self.raw
+        ]
+        return [*found, self.potential]
+
+    @cached_property
+    def fed(self) -> tuple[list[Expr], list[Expr]]:
+        """Power of external forces and dampers, and the energy put into the potential by shapes."""
+        terms = [r.external * (self.motion[r.axis] + self.velocity(r)) for r in self.raw]
+        for r in self.raw:
+            terms.append(r.drag * self._frozen(r.slopes))
+        terms += [(a + b) * v for a, b, v in zip(self.couples, self.resisting, self.v, strict=True)]
+        own = [self.potential.diff(s) * s.rate for s in self.mechanics.shapes]
+        return [t for t in terms if t != 0], [t for t in own if t != 0]
+
+    @property
+    def external_inputs(self) -> list[Symbol]:
+        """Inputs that are forces or couples."""
+        stated = [r.external for r in self.raw] + self.couples
+        found = {s for e in stated for s in e.free_symbols if isinstance(s, Input)}
+        return sorted(found, key=str)

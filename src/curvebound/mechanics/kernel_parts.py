@@ -1,0 +1,378 @@
+"""What the models of a kernel module have beside their equations: variables, motion, outputs."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import sympy
+from sympy import Expr, Symbol
+
+from .derivation import ZERO, Derivation
+from .kernel_writer import Writer
+from .names import Names
+from .source import Printer
+from .statement import Input
+
+__all__ = ["FORCES", "PLACES", "SETTINGS", "VELOCITIES", "ModelParts", "any_of"]
+
+SETTINGS = "parameters: dict[str, float], choices: dict[str, int]"
+#: outputs of one group are computed together
+PLACES, VELOCITIES, FRAME, ENERGIES, FORCES, LINEAR = range(6)
+
+
+class ModelParts(Writer):
+    """Writes all of `class Derived(FramedModel)` but its equations."""
+
+    def __init__(self, derivation: Derivation, names: Names) -> None:
+        super().__init__(derivation, names)
+        moving = {s for x in self.shapes for s in (x, x.rate, x.acceleration)}
+        #: symbols that are fields, constant over a communication step
+        self.fields = [s for s in self._symbols if s not in self.state and s not in moving]
+        #: what is zero without forces, damping and change of shape
+        self.off = {
+            **dict.fromkeys(self.forcing, ZERO),
+            **{s.rate: ZERO for s in self.shapes},
+            **{s.acceleration: ZERO for s in self.shapes},
+        }
+
+    @cached_property
+    def _symbols(self) -> list[Symbol]:
+        d = self.d
+        numerators, denominator = d.accelerations
+        stated = [*numerators, denominator, *d.shared.values(), d.kinetic, *d.potential_terms]
+        stated += [e for terms in d.fed for e in terms] + [*self.observed.values()]
+        stated += [r.external for r in d.raw] + [r.drag for r in d.raw] + d.couples
+        used = {s for e in stated for s in sympy.sympify(e).free_symbols}
+        used -= {*d.place, *d.motion, *d.shared, *d.field}
+        return sorted(used, key=str)
+
+    @cached_property
+    def forcing(self) -> list[Symbol]:
+        """Inputs and drag coefficients without which there are no forces."""
+        inputs = self.d.external_inputs
+        return [*inputs, *(x.coefficient for x in self.m.damping)]
+
+    @cached_property
+    def observed(self) -> dict[str, Expr]:
+        """Forces by output."""
+        found: dict[str, Expr] = {}
+        if self.m.frame:
+            found = {f"{self.m.frame}.f{a}": -self.d.held[i] for i, a in enumerate("xy")}
+        if self.d.constraint is not None:
+            found["constraint.multiplier"] = self.d.constraint.multiplier
+            found["constraint.force"] = self.d.constraint.force
+            found["constraint.drift"] = ZERO
+        for name, e in self.m.observed.items():
+            found[name] = self.d.observed(sympy.sympify(e))
+        return found
+
+    @cached_property
+    def turning(self) -> list[str]:
+        """State fields of the angles whose whole turns change nothing."""
+        return [f for c, f in self.coordinates if c.is_angle and self._periodic(c)]
+
+    def _periodic(self, c: Symbol) -> bool:
+        stated = [r.position for r in self.d.raw] + [r.external for r in self.d.raw]
+        stated += [self.d.potential, *self.d.couples, *map(sympy.sympify, self.m.observed.values())]
+        rng = random.Random(1)
+        for e in stated:
+            if e.has(c):
+                point = {s: sympy.Rational(rng.randint(1, 99), 50) for s in e.free_symbols}
+                turned = {**point, c: point[c] + 2 * sympy.pi}
+                if abs(sympy.N(e.subs(turned) - e.subs(point), 30)) > 1e-20:
+                    return False
+        return True
+
+    def arguments(self) -> str:
+        """Arguments of acceleration(): time, coordinates, rates."""
+        own = [self.names[s] for s in self.d.q] + ["_q1"] * (2 - len(self.d.q))
+        own += [self.names[s] for s in self.d.v] + ["_v1"] * (2 - len(self.d.v))
+        return ", ".join(f"{n}: float" for n in ["t", *own])
+
+    def _head(self) -> list[str]:
+        m = self.m
+        outputs = {n: self._group(n) for n in m.outputs}
+        choices = ["model.formulation", "constraint.stabilization"] if m.constraint else []
+        choices += ["model.fidelity"] if m.linear_about is not None else []
+        feedthrough = [FORCES] if self.observed else []
+        feedthrough += [LINEAR] if m.linear_about is not None else []
+        lines = ["class Derived(FramedModel):", f'    """{self._meaning()}"""', ""]
+        lines += _tuple("PARAMETERS", m.parameters) + _tuple("CHOICES", choices)
+        lines += _tuple("INPUTS", m.inputs)
+        lines.append("    OUTPUTS: ClassVar[dict[str, int]] = {")
+        lines += [f'        "{n}": {group},' for n, group in outputs.items()]
+        lines.append("    }")
+        numbers = "".join(f"{g}, " for g in feedthrough).strip()
+        lines.append(f"    FEEDTHROUGH: ClassVar[tuple[int, ...]] = ({numbers})")
+        lines += ["", "    def __init__(self) -> None:", "        super().__init__()"]
+        for s in self.fields:
+            if s not in self.d.gravity:
+                lines.append(f"        self.{self.names[s]}: float = 0.0")
+        for x in self.shapes:
+            for s in (x, x.rate, x.acceleration):
+                lines.append(f"        self.{self.names[s]}: float = 0.0")
+            lines.append(f"        self.kept_{self.names[x]}: float = 0.0")
+            lines.append(f"        self.kept_{self.names[x.rate]}: float = 0.0")
+        lines += ["        # gravity less the acceleration of the frame"]
+        lines += ["        self.ex: float = 0.0", "        self.ey: float = 0.0"]
+        lines += [
+            "        #: whether there is any force or damping",
+            "        self.forced: bool = False",
+        ]
+        lines += ["        #: whether a shape moves", "        self.reshapes: bool = False"]
+        lines += ["        #: neither", "        self.plain: bool = True"]
+        if len(self.turning) > 1:
+            lines += ["        self.turns1: float = 0.0", "        self.kept_turns1: float = 0.0"]
+        lines += [f"        self.{s.name}: float = 0.0" for s in self.constants.values()]
+        return lines
+
+    def _meaning(self) -> str:
+        found = [f"{f} = {c.name}" for c, f in self.coordinates]
+        return ", ".join(found) + "."
+
+    def _group(self, name: str) -> int:
+        if name.startswith("energy."):
+            return ENERGIES
+        if name in self.observed:
+            return FORCES
+        if name == "model.acceleration_error":
+            return LINEAR
+        own = [n for x in self.shapes for n in (x.name, x.rate.name)]
+        if name in own or (self.m.frame and name.rpartition(".")[0] == self.m.frame):
+            return FRAME
+        masses = {f"{x.name}.v{a}" for x in self.m.masses for a in "xy"}
+        return VELOCITIES if name in masses else PLACES
+
+    def _start(self) -> list[str]:
+        lines = [
+            "",
+            "    def start(self, parameters: dict[str, float], choices: dict[str, int]) -> None:",
+        ]
+        lines.append("        self.rest_frame(parameters)")
+        shape_symbols = {s for x in self.shapes for s in (x, x.rate)}
+        for s in self.fields:
+            if s in self.d.gravity or s in shape_symbols:
+                continue
+            value = "0.0" if isinstance(s, Input) else f'parameters["{s.name}"]'
+            lines.append(f"        self.{self.names[s]} = {value}")
+        for x in self.shapes:
+            lines.append(f'        self.{self.names[x]} = parameters["{x.name}_start"]')
+            lines.append(f'        self.{self.names[x.rate]} = parameters["{x.rate.name}_start"]')
+            lines.append(f"        self.{self.names[x.acceleration]} = 0.0")
+        lines += ["        self.ex = self.gx", "        self.ey = self.gy"]
+        for (c, f), (v, g) in zip(self.coordinates, self.rates, strict=True):
+            lines.append(f'        self.{f} = parameters["{c.name}_start"]')
+            lines.append(f'        self.{g} = parameters["{v.name}_start"]')
+        lines += ["        self.turns = 0.0", "        self.settles = False"]
+        lines += ["        self.place(parameters, choices)"]
+        lines += ["        self.note_initial_energy()", "        self.refresh()"]
+        lines += [
+            "",
+            "    def place(self, parameters: dict[str, float], choices: dict[str, int]) -> None:",
+        ]
+        lines += ['        """Bring the initial state into the form that is integrated."""']
+        for i, f in enumerate(self.turning):
+            turns = "turns1" if i else "turns"
+            lines.append(f"        self.{f}, self.{turns} = reduce_angle(self.{f})")
+            lines.append(f"        self.settles = self.settles or self.{turns} != 0.0")
+        lines += ["        self.scale()", "", "    def scale(self) -> None:"]
+        lines += ['        """Natural sizes: how far until the slope of a position has turned."""']
+        lines += self._scales()
+        return lines
+
+    def _scales(self) -> list[str]:
+        lines = []
+        for k, (c, f) in enumerate(self.coordinates):
+            if c.is_angle:
+                lines.append(f"        self.{f}_scale = 1.0")
+                continue
+            slope = sympy.Add(*(r.slopes[k] ** 2 for r in self.d.raw))
+            bend = sympy.Add(*(r.slopes[k].diff(c) ** 2 for r in self.d.raw))
+            others = [
+                (g, sympy.Add(*(r.slopes[i].diff(c2) ** 2 for r in self.d.raw)))
+                for i, (c2, g) in enumerate(self.coordinates)
+                if i != k
+            ]
+            pairs = [("slope", slope), ("bend", bend)]
+            pairs += [("reach", e) for _, e in others]
+            lines += self.body(pairs)
+            lines.append(f"        self.{f}_scale = 1.0")
+            lines.append("        if bend > 0.0 and slope > 0.0:")
+            lines.append(f"            self.{f}_scale = math.sqrt(slope / bend)")
+            if others:
+                lines.append("        elif reach > 0.0 and slope > 0.0:")
+                lines.append(f"            self.{f}_scale = math.sqrt(reach / slope)")
+        return lines
+
+    def _set_inputs(self) -> list[str]:
+        lines = ["", "    def set_inputs(self, values: list[float], first: int) -> None:"]
+        of = {s.name: s for s in self.fields}
+        of |= {x.acceleration.name: x.acceleration for x in self.shapes}
+        for i, name in enumerate(self.m.inputs):
+            at = f"values[first + {i}]" if i else "values[first]"
+            if self.m.frame and name in (f"{self.m.frame}.ax", f"{self.m.frame}.ay"):
+                lines.append(f"        self.{name[-2:]} = {at}")
+            elif name in of:
+                lines.append(f"        self.{self.names[of[name]]} = {at}")
+        lines += ["        self.ex = self.gx - self.ax", "        self.ey = self.gy - self.ay"]
+        return [*lines, "        self.refresh()"]
+
+    def _refresh(self) -> list[str]:
+        lines = ["", "    def refresh(self) -> None:"]
+        if self.m.frame:
+            fields = ("self.ax", "self.ay", "self.vx", "self.vy")
+            lines.append(f"        self.moving = {any_of(fields)}")
+        if self.shapes:
+            own = [self.names[s] for x in self.shapes for s in (x.rate, x.acceleration)]
+            lines.append(f"        self.reshapes = {any_of(f'self.{n}' for n in own)}")
+            lines.append("        self.is_constant = not self.reshapes")
+        if self.forcing:
+            own = [self.names[s] for s in self.forcing]
+            lines.append(f"        self.forced = {any_of(f'self.{n}' for n in own)}")
+        lines.append("        self.plain = not (self.forced or self.reshapes)")
+        lines.append("        self.works = self.forced or self.moving or self.reshapes")
+        lines += self._constants()
+        return lines
+
+    def _constants(self) -> list[str]:
+        """Lines that compute the constants of a communication step."""
+        known = {s for e in self.constants for s in e.free_symbols}
+        lines = [f"        {self.local(s)} = self.{self.field(s)}" for s in sorted(known, key=str)]
+        printer = Printer({s: self.local(s) for s in known})
+        for e, s in self.constants.items():
+            lines.append(f"        self.{s.name} = {printer(e)}")
+        return lines
+
+    # -- motion of frame, shapes and angles ------------------------------------------------------
+    def _motion(self) -> list[str]:
+        lines: list[str] = []
+        if self.turning:
+            lines += ["", "    def settle(self, h: float) -> None:", *self._reduced("")]
+        lines += ["", "    def advance_frame(self, duration: float) -> None:"]
+        lines += self._reduced("self.settles = True")
+        lines += ["        self.move_frame(duration)", ""]
+        lines += ["    def move_frame(self, duration: float) -> None:"]
+        lines += ['        """Move frame and shapes exactly."""']
+        if self.shapes:
+            lines.append("        if self.reshapes:")
+        for x in self.shapes:
+            a = self.names[x]
+            rate = f"self.{a}_rate + 0.5 * duration * self.{a}_acceleration"
+            lines.append(f"            self.{a} += duration * ({rate})")
+            lines.append(f"            self.{a}_rate += duration * self.{a}_acceleration")
+        lines += ["        if self.moving or self.reshapes:"]
+        lines += ["            super().advance_frame(duration)", "            self.refresh()"]
+        return lines
+
+    def _reduced(self, then: str) -> list[str]:
+        lines = []
+        for i, f in enumerate(self.turning):
+            turns = "turns1" if i else "turns"
+            lines.append(f"        if math.fabs(self.{f}) > TURN:")
+            lines.append(f"            self.{f}, turns = reduce_angle(self.{f})")
+            lines.append(f"            self.{turns} += turns")
+            lines += [f"            {then}"] if then else []
+        return lines
+
+    def _saved(self) -> list[str]:
+        more = [self.names[s] for x in self.shapes for s in (x, x.rate)]
+        more += ["turns1"] if len(self.turning) > 1 else []
+        lines = ["", "    def set_state(self, state: list[float]) -> None:"]
+        lines.append("        super().set_state(state)")
+        lines += [f"        self.{n} = state[{12 + i}]" for i, n in enumerate(more)]
+        lines.append("        self.refresh()")
+        if not more:
+            return lines
+        values = ", ".join(f"self.{n}" for n in more)
+        lines += ["", "    def get_state(self) -> list[float]:"]
+        lines.append(f"        return [*super().get_state(), {values}]")
+        lines += ["", "    def keep(self) -> None:", "        super().keep()"]
+        lines += [f"        self.kept_{n} = self.{n}" for n in more]
+        lines += ["", "    def undo(self) -> None:"]
+        lines += [f"        self.{n} = self.kept_{n}" for n in more]
+        return [*lines, "        super().undo()"]
+
+    # -- observation -----------------------------------------------------------------------------
+    def _observe(self) -> list[str]:
+        at = {n: f"values[first + {i}]" for i, n in enumerate(self.m.outputs)}
+        d = self.d
+        places: list[tuple[str, Expr]] = []
+        velocities: list[tuple[str, Expr]] = []
+        for r in d.raw:
+            axis = "xy"[r.axis]
+            places.append((at[f"{r.of.name}.{axis}"], d.place[r.axis] + r.position))
+            velocities.append((at[f"{r.of.name}.v{axis}"], d.motion[r.axis] + d.velocity(r)))
+        lines = ["", "    def observe(self, group: int, values: list[float], first: int) -> None:"]
+        deep = " " * 12
+        lines.append(f"        if group == {PLACES}:")
+        for (c, f), (v, g) in zip(self.coordinates, self.rates, strict=True):
+            value = f"self.{f}"
+            if f in self.turning:
+                value = f"unwind(self.{f}, self.{'turns1' if self.turning.index(f) else 'turns'})"
+            lines += [f"{deep}{at[c.name]} = {value}", f"{deep}{at[v.name]} = self.{g}"]
+        lines += self.body(places, indent=deep)
+        lines.append(f"        elif group == {VELOCITIES}:")
+        lines += self.body(velocities, indent=deep)
+        own = [(f"{self.m.frame}.{n}", n) for n in ("x", "y", "vx", "vy")] if self.m.frame else []
+        own += [(s.name, self.names[s]) for x in self.shapes for s in (x, x.rate)]
+        if own:
+            lines.append(f"        elif group == {FRAME}:")
+            lines += [f"{deep}{at[name]} = self.{field}" for name, field in own]
+        lines.append(f"        elif group == {ENERGIES}:")
+        start = self.m.outputs.index("energy.kinetic")
+        lines.append(f"{deep}self.write_energies(values, first + {start})")
+        if self.observed:
+            lines.append(f"        elif group == {FORCES}:")
+            lines.append(f"{deep}self.write_forces(values, first)")
+        if self.m.linear_about is not None:
+            lines += ["        else:"]
+            lines.append(f"{deep}{at['model.acceleration_error']} = self.acceleration_error()")
+        if self.observed:
+            lines += ["", "    def write_forces(self, values: list[float], first: int) -> None:"]
+            lines.append(f'        """Write the outputs of group {FORCES}."""')
+            lines += self.body([(at[n], e) for n, e in self.observed.items()])
+        if self.m.linear_about is not None:
+            lines += ["", "    def acceleration_error(self) -> float:"]
+            lines.append('        """Relative difference of linear and nonlinear accelerations."""')
+            lines.append("        return 0.0")
+        return lines
+
+    def _words(self) -> list[str]:
+        lines: list[str] = []
+        remedies = []
+        if self.m.linear_about is not None:
+            remedies += [
+                ("linear", "set model.fidelity = 1 (linear), or "),
+                ("nonlinear", "set model.fidelity = 2 (nonlinear), or start smaller"),
+            ]
+        if self.m.constraint is not None:
+            remedy = "set constraint.stabilization = 3 (projection) or model.formulation = 2"
+            remedies.append(("drift", remedy))
+        if remedies:
+            lines += ["", "    def remedy(self, trouble: str) -> str:"]
+            for trouble, remedy in remedies:
+                lines += [f'        if trouble == "{trouble}":', f'            return "{remedy}"']
+            lines.append('        return ""')
+        if self.shapes:
+            lines += ["", "    def variation(self) -> str:"]
+            parts = [
+                f"{s.name} = {{self.{self.names[s]}!r}}"
+                for x in self.shapes
+                for s in (x.rate, x.acceleration)
+            ]
+            lines.append(f'        return f"{" and ".join(parts)}"')
+        return lines
+
+
+def any_of(fields: Iterable[str]) -> str:
+    """A condition: any of the fields is not zero."""
+    return " or ".join(f"{f} != 0.0" for f in fields)
+
+
+def _tuple(name: str, values: Sequence[str]) -> list[str]:
+    lines = [f"    {name}: ClassVar[tuple[str, ...]] = ("]
+    if not values:
+        return [f"{lines[0]})"]
+    return [*lines, *(f'        "{v}",' for v in values), "    )"]
