@@ -1,0 +1,263 @@
+"""What every system is held to, whoever wrote it: checks for pytest, or to be called as they are.
+
+    from curvebound.checks import CHECKS
+
+    @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+    def test_system(check):
+        check(FOLDER)
+
+Each takes the folder of a system and raises AssertionError, which says what is wrong where.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .cosim import Scene
+from .cosim.fmu import Value, read_fmu
+from .cosim.instance import Instance, Library, Log
+from .fmi.build import build
+from .fmi.cached import cached_fmu
+from .fmi.compile import why_not
+from .fmi.declaration import CHOICE, INPUT, OUTPUT, PARAMETER, Fmu
+from .fmi.folder import Folder
+
+__all__ = [
+    "CHECKS",
+    "is_a_valid_fmu",
+    "keeps_the_balance_of_energy",
+    "methods_have_their_orders",
+    "runs_alike_compiled_and_interpreted",
+    "saves_its_whole_state",
+]
+
+Columns = dict[str, NDArray[np.float64]]
+
+#: method -> order; `adaptive` chooses its own steps, `exact` has no error
+_ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4, "implicit": 4}
+#: steps a second from which orders are looked at: the fastest motion may need many
+_COUNTS = (50, 200, 800, 3200)
+#: an error below this is rounding
+_NOISE = 3e-12
+#: amplitude of an input in a check, by unit
+_PUSH = {"m/s2": 1.0, "N": 0.5}
+
+
+def is_a_valid_fmu(folder: Path | str) -> None:
+    """fmpy's validation finds nothing in the FMU."""
+    from fmpy.validation import validate_fmu
+
+    problems = validate_fmu(str(cached_fmu(_of(folder))))
+    assert not problems, "\n".join(problems)
+
+
+def keeps_the_balance_of_energy(folder: Path | str) -> None:
+    """energy.residual stays at rounding while the system is driven and damped."""
+    fmu = _of(folder).fmu()
+    names = {v.name for v in fmu.variables}
+    if "energy.residual" not in names:
+        return
+    for label, choices in _models(fmu):
+        start = {**_damped(fmu), **choices, "solver.method": "adaptive", "solver.tolerance": 1e-10}
+        got = _run(folder, start, driven=True)
+        moved = got["energy.kinetic"].max() + np.ptp(got["energy.potential"])
+        residual = float(np.abs(got["energy.residual"]).max())
+        assert residual <= 1e-7 * max(moved, 1e-3), (
+            f"{label}energy.residual reaches {residual:.2g} J where {moved:.2g} J move: power and "
+            "energies do not belong to the same equations of motion"
+        )
+
+
+def methods_have_their_orders(folder: Path | str) -> None:
+    """The error of the state falls with the step as the order of each method says."""
+    fmu = _of(folder).fmu()
+    states = _states(fmu)
+    if "solver.method" not in {v.name for v in fmu.variables}:
+        return
+    for label, choices in _models(fmu):
+        start = {**_damped(fmu), **choices}
+        precise = {**start, "solver.method": "adaptive", "solver.tolerance": 1e-13}
+        exact = _final(folder, precise, states)
+        for method, order in _ORDERS.items():
+            tried: list[str] = []
+            for count in _COUNTS:
+                errors = [
+                    _error(folder, {**start, "solver.method": method}, steps, states, exact)
+                    for steps in (count, 2 * count)
+                ]
+                if errors[1] < _NOISE:
+                    break
+                observed = math.log2(errors[0] / errors[1])
+                tried.append(f"{observed:.2f} at {count} steps a second")
+                if abs(observed - order) < 0.3:
+                    break
+            else:
+                raise AssertionError(
+                    f"{label}{method} has order {order}, but its error falls as {', '.join(tried)}"
+                )
+
+
+def saves_its_whole_state(folder: Path | str) -> None:
+    """A step that is taken back and taken again gives the same bits."""
+    fmu = _of(folder).fmu()
+    described = read_fmu(cached_fmu(_of(folder)))
+    library = Library(described)
+    outputs = [v.name for v in fmu.ordered() if v.kind == OUTPUT]
+    methods = ["adaptive", *_ORDERS] if "solver.method" in described.variables else [""]
+    for label, choices in _models(fmu):
+        for method in methods:
+            instance = Instance("system", library, Log())
+            start = {**_damped(fmu), **choices, **({"solver.method": method} if method else {})}
+            typed = {name: described.variables[name].value(x) for name, x in start.items()}
+            instance.initialize(typed.items(), None, 0.0, 1.0)
+            instance.call("ExitInitializationMode")
+            _steps(instance, fmu, 0, 7)
+            instance.save()
+            first = _steps(instance, fmu, 7, 12, outputs)
+            instance.restore()
+            again = _steps(instance, fmu, 7, 12, outputs)
+            instance.free()
+            wrong = [name for name in outputs if first[name] != again[name]]
+            assert not wrong, f"{label}{method}: {', '.join(wrong)} differ after fmi2SetFMUstate"
+
+
+def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
+    """The compiled kernel gives the same bits as the interpreted one."""
+    if why_not():
+        return
+    fmu = _of(folder).fmu()
+    plant = "solver.method" in {v.name for v in fmu.variables}
+    for label, choices in _models(fmu):
+        for method in ["adaptive", *_ORDERS] if plant else [""]:
+            start = {**_damped(fmu), **choices, **({"solver.method": method} if method else {})}
+            one = _run(folder, start, driven=True, stop=0.3)
+            other = _run(folder, start, driven=True, stop=0.3, compiled=False)
+            wrong = [name for name in one if not np.array_equal(one[name], other[name])]
+            assert not wrong, f"{label}{method}: {', '.join(wrong)} differ"
+
+
+#: all of the above
+CHECKS: tuple[Callable[[Path | str], None], ...] = (
+    is_a_valid_fmu,
+    keeps_the_balance_of_energy,
+    methods_have_their_orders,
+    saves_its_whole_state,
+    runs_alike_compiled_and_interpreted,
+)
+
+
+def _of(folder: Path | str) -> Folder:
+    return Folder(Path(folder).resolve())
+
+
+@functools.cache
+def _interpreted(folder: Folder) -> Path:
+    """Its FMU without a compiled kernel, once in a process."""
+    place = tempfile.TemporaryDirectory(prefix="curvebound-checks-")
+    _kept.append(place)
+    return build(folder, Path(place.name), compiled=False).path
+
+
+_kept: list[tempfile.TemporaryDirectory[str]] = []
+
+
+def _models(fmu: Fmu) -> Iterable[tuple[str, dict[str, Value]]]:
+    """The models that the choices offer: (words for messages, choices), one choice at a time."""
+    yield "", {}
+    for variable in fmu.variables:
+        if variable.kind == CHOICE and variable.type and variable.name.startswith("model."):
+            for number, (item, _) in enumerate(variable.type.items, 1):
+                if number != variable.start:
+                    yield f"{variable.name} = {item}: ", {variable.name: item}
+
+
+def _states(fmu: Fmu) -> list[str]:
+    """The outputs with a start value."""
+    names = {v.name for v in fmu.variables if v.kind == PARAMETER}
+    return [v.name for v in fmu.ordered() if v.kind == OUTPUT and f"{v.name}_start" in names]
+
+
+def _damped(fmu: Fmu) -> dict[str, Value]:
+    """Damping, where there is any."""
+    return {
+        v.name: 0.1
+        for v in fmu.variables
+        if v.kind == PARAMETER and v.unit in ("N.s/m", "N.m.s/rad") and v.start == 0.0
+    }
+
+
+def _inputs(fmu: Fmu) -> dict[str, Callable[[float], float]]:
+    """A sine for each input, no two of one frequency."""
+    return {
+        v.name: functools.partial(_sine, _PUSH.get(v.unit, 0.2), 0.3 + 0.17 * number)
+        for number, v in enumerate(v for v in fmu.variables if v.kind == INPUT)
+    }
+
+
+def _sine(amplitude: float, frequency: float, time: float) -> float:
+    return amplitude * math.sin(2.0 * math.pi * frequency * time)
+
+
+def _run(
+    folder: Path | str,
+    start: Mapping[str, Value],
+    *,
+    driven: bool = False,
+    stop: float = 2.0,
+    step: float = 0.02,
+    compiled: bool = True,
+) -> Columns:
+    """All outputs of a run, by name."""
+    system = _of(folder)
+    scene = Scene("check", stop_time=stop, step=step)
+    scene.add("system", cached_fmu(system) if compiled else _interpreted(system), start)
+    if driven:
+        for name, signal in _inputs(system.fmu()).items():
+            scene.input(f"system.{name}", signal)
+    result = scene.run()
+    return {
+        name.removeprefix("system."): np.asarray(result[name], dtype=np.float64)
+        for name in result.names
+    }
+
+
+def _final(folder: Path | str, start: Mapping[str, Value], states: list[str]) -> list[float]:
+    """The states after 1 s in one communication step."""
+    got = _run(folder, start, stop=1.0, step=1.0)
+    return [float(got[name][-1]) for name in states]
+
+
+def _error(
+    folder: Path | str,
+    start: Mapping[str, Value],
+    steps: int,
+    states: list[str],
+    exact: list[float],
+) -> float:
+    """The largest error of the states after 1 s in so many internal steps."""
+    got = _final(folder, {**start, "solver.step": 1.0 / steps}, states)
+    return max(abs(a - b) for a, b in zip(got, exact, strict=True))
+
+
+def _steps(
+    instance: Instance, fmu: Fmu, first: int, end: int, outputs: Iterable[str] = ()
+) -> dict[str, list[float]]:
+    """Take the communication steps first ... end - 1 of 0.05 s; outputs after each."""
+    from ctypes import c_double, c_int
+
+    got: dict[str, list[float]] = {name: [] for name in outputs}
+    for number in range(first, end):
+        for name, signal in _inputs(fmu).items():
+            instance.set(name, signal(0.05 * number))
+        instance.call("DoStep", c_double(0.05 * number), c_double(0.05), c_int(1))
+        for name, values in got.items():
+            reference = instance.fmu.variables[name].reference
+            values += instance.slave.getReal([reference])
+    return got
