@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 from ..errors import CurveboundError
 from ..files import write_whole
-from ..fmi.units import UNITS
+from ..fmi.units import exponents
 from .native import SOURCES, shared_library
 
 __all__ = ["PLANTS", "build_c_fmu"]
@@ -41,8 +41,8 @@ def _variables(table: str) -> list[_Real]:
 
 
 def _unit(name: str) -> str:
-    exponents = "".join(f' {base}="{power}"' for base, power in UNITS[name].items())
-    return f"<Unit name={quoteattr(name)}><BaseUnit{exponents}/></Unit>"
+    base = "".join(f' {base}="{power}"' for base, power in exponents(name).items())
+    return f"<Unit name={quoteattr(name)}><BaseUnit{base}/></Unit>"
 
 
 def _scalar(reference: int, variable: _Real) -> str:

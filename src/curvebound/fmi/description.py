@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 from .. import __date__, __version__
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
 from .engine import Engine
-from .units import UNITS
+from .units import exponents
 
 __all__ = ["describe", "timestamp"]
 
@@ -95,8 +95,8 @@ def describe(fmu: Fmu, guid: str, engine: Engine) -> Element:
 def _unit_definitions(root: Element, variables: list[Variable]) -> None:
     element = SubElement(root, "UnitDefinitions")
     for unit in sorted({v.unit for v in variables if v.unit}):
-        exponents = {base: str(n) for base, n in UNITS[unit].items()}
-        SubElement(SubElement(element, "Unit", {"name": unit}), "BaseUnit", exponents)
+        base = {name: str(power) for name, power in exponents(unit).items()}
+        SubElement(SubElement(element, "Unit", {"name": unit}), "BaseUnit", base)
 
 
 def _type_definitions(root: Element, variables: list[Variable]) -> None:
