@@ -7,7 +7,9 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-__all__ = ["file_of", "positive", "setting", "whole"]
+from .quantity import number
+
+__all__ = ["file_of", "positive", "seconds", "setting", "whole"]
 
 
 def positive(text: str) -> float:
@@ -19,6 +21,14 @@ def positive(text: str) -> float:
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} is no finite number above zero")
     return value
+
+
+def seconds(text: str) -> float:
+    """A time, also with a unit of its own."""
+    try:
+        return number(text, "s")
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def whole(least: int) -> Callable[[str], int]:

@@ -18,7 +18,7 @@ VARY = ["--vary", f"{RADIUS}=1:2:2"]
 def test_the_command_writes_table_picture_and_page(tmp_path, capsys) -> None:
     pytest.importorskip("matplotlib")
     arguments = ["--method", "rk4", "--method", "adaptive", "--steps", "1e-3:1:5", "--stop", "2"]
-    vary = "bead.wire.radius=0.1:10:3(log)"
+    vary = "bead.wire.radius=0.1:10:3:log"
     out = tmp_path / "maps"
     assert main(["stability", "bead_on_wire", "--vary", vary, *arguments, "--out", str(out)]) == 0
     folder = out / "bead_on_wire"

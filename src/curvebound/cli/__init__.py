@@ -6,10 +6,13 @@ Exit status: 0 done, 1 the command failed and said why, 2 wrong usage (argparse)
 from __future__ import annotations
 
 import argparse
+import difflib
 import importlib
+import re
 import sys
 import traceback
 from collections.abc import Sequence
+from typing import NoReturn
 
 import shtab
 
@@ -21,6 +24,7 @@ __all__ = ["main", "parser"]
 #: modules of this package, in the order of `curvebound --help`
 _COMMANDS = (
     "list",
+    "show",
     "build",
     "run",
     "demo",
@@ -37,20 +41,33 @@ _EPILOG = """\
 examples:
   curvebound demo                                build the FMUs, run every scene, write build/
   curvebound list                                scenes, FMUs and their variables
+  curvebound show inverted_balance               one scene, FMU or variable in full
   curvebound build BeadOnWire --out fmus/        one FMU for your own tool
   curvebound run bead_on_wire --set bead.wire.radius=2 --stop 20 --out bead.csv
 """
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser that suggests the nearest of the words that it knows."""
+
+    def error(self, message: str) -> NoReturn:
+        wrong = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+        if wrong:
+            known = re.findall(r"[\w-]+", wrong[2])
+            close = difflib.get_close_matches(wrong[1], known, n=1)
+            message += f"; did you mean {close[0]}?" if close else ""
+        super().error(message)
+
+
 def parser() -> argparse.ArgumentParser:
     """The parser of the whole command line."""
-    root = argparse.ArgumentParser(
+    root = _Parser(
         prog="curvebound",
         description="FMI 2.0 co-simulation FMUs of bodies bound to curves.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    root.add_argument("--version", action="version", version=f"curvebound {__version__}")
+    root.add_argument("-V", "--version", action="version", version=f"curvebound {__version__}")
     root.add_argument("--debug", action="store_true", help="show the traceback of an error as well")
     shtab.add_argument_to(root, "--print-completion", help="print a completion script for a shell")
     commands = root.add_subparsers(title="commands", metavar="COMMAND", required=True)
@@ -75,7 +92,11 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    options = parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    if not words:
+        parser().print_help()
+        return 0
+    options = parser().parse_args(words)
     try:
         status: int = options.run(options)
     except CurveboundError as error:

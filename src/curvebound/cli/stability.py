@@ -5,7 +5,7 @@ it is stable, and where it fails with a message. Made of it: a table (CSV), a pi
 
 examples:
   curvebound stability bead_on_wire --vary bead.wire.radius=1e-3:1e3:13:log
-  curvebound stability pendulum_large --vary "plant.pendulum.mass=1e-8:1e8:17(log)" --method rk4
+  curvebound stability pendulum_large --vary plant.pendulum.mass=1e-8:1e8:17:log --method rk4
   curvebound stability --all --jobs 2
   curvebound stability --sample 2000 --system bead --system pendulum --jobs 2
   curvebound stability --long
@@ -36,7 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="PATH=LOW:HIGH:N:log",
-        help="the parameter of a map: component.variable=LOW:HIGH:N, with :log or (log) for equal "
+        help="the parameter of a map: component.variable=LOW:HIGH:N, with :log for equal "
         "steps in the logarithm, or =a,b,c; may be repeated, one map each",
     )
     parser.add_argument(

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import setting
+from ..arguments import seconds, setting
 from ..errors import CurveboundError
 from .scene import ALGORITHMS, Adaptive, Scene
 
@@ -36,10 +36,11 @@ def configure_changes(parser: argparse.ArgumentParser) -> None:
         type=setting,
         action="append",
         default=[],
-        help="a start value; enumerations by item name or number; may be repeated",
+        help="a start value, also as pi/2 or 90deg; enumerations by item name or number; may be "
+        "repeated",
     )
-    parser.add_argument("--stop", metavar="T", type=float, help="stop time in s")
-    parser.add_argument("--step", metavar="H", type=float, help="macro step in s")
+    parser.add_argument("--stop", metavar="T", type=seconds, help="stop time in s")
+    parser.add_argument("--step", metavar="H", type=seconds, help="macro step in s")
     parser.add_argument("--algorithm", choices=ALGORITHMS, help="how coupled components advance")
     parser.add_argument(
         "--adaptive",

@@ -14,6 +14,7 @@ from typing import Any
 
 from ..errors import CurveboundError
 from ..fmi.drawing import Drawing, read
+from ..quantity import number
 
 __all__ = [
     "BASE_UNITS",
@@ -46,6 +47,8 @@ class Variable:
     dimension: tuple[float, ...] | None  # exponents of BASE_UNITS, factor, offset
     start: str | None
     nominal: float | None
+    minimum: str | None
+    maximum: str | None
     items: dict[str, int] | None  # of an enumeration: item name to number
     description: str
 
@@ -65,28 +68,25 @@ class Variable:
                     raise ValueError(f"{given!r} is not true or false")
                 return text.lower() in ("true", "1")
             return bool(given)
-        try:
-            number = float(given)
-        except ValueError:
-            raise ValueError(f"{given!r} is not a number") from None
+        value = float(given) if text is None else number(text, self.unit)
         if self.kind == "Integer":
-            if number != int(number):
+            if not value.is_integer():
                 raise ValueError(f"{given!r} is not an integer")
-            return int(number)
-        return number
+            return int(value)
+        return value
 
     def _item(self, given: Value, text: str | None) -> int:
         assert self.items is not None
         if text is not None and text in self.items:
             return self.items[text]
         try:
-            number = float(given)
+            item = float(given)
         except ValueError:
-            number = 0.0
-        if number not in self.items.values():
+            item = 0.0
+        if item not in self.items.values():
             listed = ", ".join(f"{n} {name}" for name, n in self.items.items())
             raise ValueError(f"{given!r} is not one of: {listed}")
-        return int(number)
+        return int(item)
 
     @property
     def is_settable_start(self) -> bool:
@@ -310,6 +310,8 @@ def _variable(v: Any, units: dict[str, Any]) -> Variable:
         dimension=dimension,
         start=v.start,
         nominal=abs(nominal) if nominal else None,
+        minimum=v.min or (declared.min if declared is not None else None),
+        maximum=v.max or (declared.max if declared is not None else None),
         items=items,
         description=v.description or "",
     )

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
+from ..quantity import number
 from .fmu import Value, nearest
 
 if TYPE_CHECKING:
@@ -237,9 +238,10 @@ class Scene:
             self.algorithm = str(value)
             return
         try:
-            setattr(self, name, float(value))
-        except ValueError:
-            raise CurveboundError(f"{name} must be a number of seconds, not {value!r}.") from None
+            unit = "1" if name.endswith("tolerance") else "s"
+            setattr(self, name, number(value, unit) if isinstance(value, str) else float(value))
+        except ValueError as error:
+            raise CurveboundError(f"{name}: {error}.") from None
 
     def copy(self, name: str | None = None) -> Scene:
         """An independent scene with the same content."""

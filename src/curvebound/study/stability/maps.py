@@ -12,6 +12,7 @@ from ...cosim import load_scene
 from ...cosim.fmu import Value
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
+from ...quantity import number
 from ..sweep.design import Axis, axis
 from .probe import Probe
 from .stability_map import METHODS, Column, StabilityMap, map_column, sizes_of
@@ -59,7 +60,7 @@ class Request:
     @property
     def axis(self) -> Axis:
         """What varies."""
-        return axis(self.vary.replace("(log)", ":log").replace("::", ":"))
+        return axis(self.vary)
 
     def probe(self) -> Probe:
         """The scene made ready; CurveboundError where it cannot be mapped."""
@@ -79,10 +80,10 @@ def values_of(request: Request) -> list[float]:
             f"--vary {request.vary}: {varied.count} values are more than a map may have, {MOST}."
         )
     try:
-        values = [float(value) for value in varied.values()]
-    except ValueError:
+        values = [number(v) if isinstance(v, str) else float(v) for v in varied.values()]
+    except ValueError as error:
         raise CurveboundError(
-            f"--vary {request.vary}: a map varies numbers; set an enumeration with --set."
+            f"--vary {request.vary}: {error}; a map varies numbers, set an enumeration with --set."
         ) from None
     if not all(math.isfinite(value) for value in values):
         raise CurveboundError(f"--vary {request.vary}: every value must be finite.")

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...cosim.fmu import Value
 from ...errors import CurveboundError
+from ...quantity import number
 
 __all__ = ["Axis", "Design", "axis"]
 
@@ -68,7 +69,7 @@ def axis(text: str) -> Axis:
         numbers = parts[:-1] if logarithmic else parts
         if len(numbers) not in (2, 3):
             raise ValueError
-        low, high = float(numbers[0]), float(numbers[1])
+        low, high = number(numbers[0]), number(numbers[1])
         count = int(numbers[2]) if len(numbers) == 3 else 0
     except ValueError:
         raise CurveboundError(f"--vary {text!r} is not of the form {_FORM}.") from None
