@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
 
     from ..cosim import load_scene, scene_names
     from ..cosim.fmu import nearest, read_fmu
-    from ..fmi.build import names
+    from ..fmi.folder import names
 
     console = Console(highlight=False)
     name: str = options.name
@@ -71,8 +71,9 @@ def run(options: argparse.Namespace) -> int:
 def _ours(name: str) -> Fmu:
     from ..cosim.fmu import read_fmu
     from ..fmi.cached import cached_fmu
+    from ..fmi.folder import find
 
-    return read_fmu(cached_fmu(name))
+    return read_fmu(cached_fmu(find(name)))
 
 
 def _table(title: str, *headings: str) -> Table:
