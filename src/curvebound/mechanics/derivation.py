@@ -339,14 +339,14 @@ class Derivation:
         return [*found, self.potential]
 
     @cached_property
-    def fed(self) -> tuple[list[Expr], list[Expr]]:
-        """Power of external forces and dampers, and the energy put into the potential by shapes."""
-        terms = [r.external * (self.motion[r.axis] + self.velocity(r)) for r in self.raw]
-        for r in self.raw:
-            terms.append(r.drag * self._frozen(r.slopes))
-        terms += [(a + b) * v for a, b, v in zip(self.couples, self.resisting, self.v, strict=True)]
+    def fed(self) -> list[Expr]:
+        """Power of external forces and couples, of dampers, and of shapes in the potential."""
+        external = [r.external * (self.motion[r.axis] + self.velocity(r)) for r in self.raw]
+        external += [f * v for f, v in zip(self.couples, self.v, strict=True)]
+        damping = [r.drag * self._frozen(r.slopes) for r in self.raw]
+        damping += [f * v for f, v in zip(self.resisting, self.v, strict=True)]
         own = [self.potential.diff(s) * s.rate for s in self.mechanics.shapes]
-        return [t for t in terms if t != 0], [t for t in own if t != 0]
+        return [sympy.Add(*external), shorter(sympy.Add(*damping)), sympy.Add(*own)]
 
     @property
     def external_inputs(self) -> list[Symbol]:

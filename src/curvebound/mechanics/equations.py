@@ -42,7 +42,7 @@ def equations_source(derivation: Derivation) -> str:
     parts += _function("momenta", [relative.diff(x) for x in v])
     parts += _canonical("canonical", d, relative)
     parts += _turning(d)
-    parts += _function("fed", [sympy.Add(*terms) for terms in d.fed])
+    parts += _function("fed", d.fed)
     parts += _function("held", d.held, d.shared)
     parts += _outputs("places", _places(d))
     energies = {"kinetic": d.kinetic, "potential": sympy.Add(*d.potential_terms)}

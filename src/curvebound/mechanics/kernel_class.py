@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sympy
 from sympy import Expr, Symbol
 
 from .derivation import ZERO
@@ -42,11 +41,14 @@ class DerivedClass(ModelParts):
         signature = f"    def acceleration(self, {self.arguments()}) -> None:"
         lines = ["", signature]
         constants = [*self._constant_symbols(), *self.shapes]
-        plain = "self.plain"
-        for condition, off in (
-            (f"{plain} and self.ex == 0.0", {**self.off, d.field[0]: ZERO}),
-            (plain, self.off),
-        ):
+        variants = [
+            ("self.plain and self.ex == 0.0", {**self.off, d.field[0]: ZERO}),
+            ("self.plain", self.off),
+        ]
+        if self.m.damping:
+            damped = {s: x for s, x in self.off.items() if s not in self.resisting}
+            variants.append(("not (self.pushed or self.reshapes)", damped))
+        for condition, off in variants if not self.always_pushed else ():
             lines.append(f"        if {condition}:")
             pairs = self._solution([n.subs(off) for n in numerators], denominator)
             lines += self.body(pairs, [*self.state, INVERSE], indent=" " * 12, hoist=constants)
@@ -101,11 +103,11 @@ class DerivedClass(ModelParts):
             lines += self.body(pairs, self.state, indent=deep, moving=True)
             total = " + ".join(f"{name} * {rate}" for (name, rate), _ in held)
             lines.append(f"{deep}power = {total}")
-        fed = sympy.Add(*self.d.fed[0])
-        if fed != 0:
-            lines.append("        if self.forced:")
-            lines += self.body([("fed", fed)], self.state, indent=deep, moving=True)
-            lines.append(f"{deep}power += fed")
+        for flag, fed in zip(("pushed", "damped"), self.d.fed, strict=False):
+            if fed != 0:
+                lines.append(f"        if self.{flag}:")
+                lines += self.body([("fed", fed)], self.state, indent=deep, moving=True)
+                lines.append(f"{deep}power += fed")
         return [*lines, "        return power"]
 
     def _energies(self) -> list[str]:

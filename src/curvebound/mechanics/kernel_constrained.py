@@ -57,19 +57,24 @@ class ConstrainedClass(DerivedClass):
         head += ["        self.feedback_stiffness: float = 0.0"]
         head += ["        self.feedback_damping: float = 0.0"]
         head += ["        self.feeds_back: bool = False"]
-        head += ["        # coordinate and rate after the last internal step, for counting turns"]
-        head += ["        self.last_coordinate: float = 0.0", "        self.last_rate: float = 0.0"]
+        head += ["        # position and rate after the last internal step, for counting turns"]
+        head += [f"        self.last_{n}: float = 0.0" for n in ("x", "y", "side", "rate")]
         head += [f"        self.{s.name}: float = 0.0" for s in self.constants.values()]
         head += ["", "    def refresh(self) -> None:", "        super().refresh()"]
         head += self._constants()
-        head += self.body([("self.last_coordinate", self.c.coordinate)])
-        head += self.body([("self.last_rate", self._rate())])
+        head += ["        self.last_x = self.q0", "        self.last_y = self.q1"]
+        head += self.body([("self.last_side", self._side()), ("self.last_rate", self._rate())])
         return [*head, *(line for method in methods for line in method)]
 
     def _rate(self) -> sympy.Expr:
         return sympy.Add(
             *(self.c.coordinate.diff(x) * v for x, v in zip(self.c.p, self.c.v, strict=True))
         )
+
+    def _side(self) -> sympy.Expr:
+        """Of the cut at which the coordinate's principal value jumps; 0 where that is not known."""
+        of = self.c.coordinate
+        return of.args[0] if isinstance(of, sympy.atan2) else sympy.Integer(0)
 
     def _place(self) -> list[str]:
         d = self.d
@@ -108,11 +113,15 @@ class ConstrainedClass(DerivedClass):
         pairs = [(f"self.a{i}", e) for i, e in enumerate(self.c.accelerations)]
         lines = ["", f"    def acceleration(self, {self.arguments()}) -> None:"]
         constants = [*self._constant_symbols(), self.c.damping, self.c.stiffness]
-        off = {**self.off, self.c.damping: 0, self.c.stiffness: 0}
-        lines.append("        if self.plain and not self.feeds_back:")
-        plain = [(t, e.subs(off)) for t, e in pairs]
-        lines += self.body(plain, self.known, indent=" " * 12, hoist=constants)
-        lines.append("            return")
+        unfed = {**self.off, self.c.damping: 0, self.c.stiffness: 0}
+        for condition, off in (
+            ("self.plain and not self.feeds_back", unfed),
+            ("self.plain", self.off),
+        ):
+            lines.append(f"        if {condition}:")
+            plain = [(t, e.subs(off)) for t, e in pairs]
+            lines += self.body(plain, self.known, indent=" " * 12, hoist=constants)
+            lines.append("            return")
         return lines + self.body(pairs, self.known, hoist=constants)
 
     def _power(self) -> list[str]:
@@ -162,14 +171,13 @@ class ConstrainedClass(DerivedClass):
         lines = ["", "    def settle(self, h: float) -> None:"]
         lines += ['        """Project onto the curve, if chosen, and count turns."""']
         lines += ["        px = self.q0", "        py = self.q1", "        pvx = self.v0"]
-        lines += [
-            "        pvy = self.v1",
-            "        if self.projects:",
-            "            for _ in range(2):",
-        ]
+        lines += ["        pvy = self.v1", "        if self.projects:"]
         far = [("far", c.equation / c.square), ("gx_", c.gradient[0]), ("gy_", c.gradient[1])]
-        lines += self.body(far, self.known, indent=" " * 16)
-        lines += ["                px -= far * gx_", "                py -= far * gy_"]
+        near = "math.fabs(far) * (math.fabs(gx_) + math.fabs(gy_)) > 1e-8 * self.q0_scale"
+        for inner, condition in ((" " * 12, ""), (" " * 16, f"            if {near}:")):
+            lines += [condition] if condition else []
+            lines += self.body(far, self.known, indent=inner)
+            lines += [f"{inner}px -= far * gx_", f"{inner}py -= far * gy_"]
         lines += self.body(far[1:], self.known, indent=" " * 12)
         lines += [
             "            normal = (gx_ * pvx + gy_ * pvy) / (gx_ * gx_ + gy_ * gy_)",
@@ -181,11 +189,20 @@ class ConstrainedClass(DerivedClass):
             "            self.v1 = pvy",
         ]
         if self.turning:
-            lines += self.body([("now", c.coordinate), ("rate", self._rate())], self.known)
+            lines += self.body([("side", self._side()), ("rate", self._rate())], self.known)
+            # a small step on one side of the cut makes no turn
+            move = "h * (math.fabs(rate) + math.fabs(self.last_rate))"
+            lines += [f"        if not (side * self.last_side > 0.0 and {move} < 3.0):"]
+            deep = " " * 12
+            lines += self.body([("now", c.coordinate)], self.known, indent=deep)
+            lines += [f"{deep}px = self.last_x", f"{deep}py = self.last_y"]
+            lines += self.body([("before", c.coordinate)], self.known, indent=deep)
             lines += [
-                "        expected = self.last_coordinate + 0.5 * h * (self.last_rate + rate)",
-                "        self.turns += nearest_whole((expected - now) / TURN)",
-                "        self.last_coordinate = now",
+                f"{deep}expected = before + 0.5 * h * (self.last_rate + rate)",
+                f"{deep}self.turns += nearest_whole((expected - now) / TURN)",
+                "        self.last_x = self.q0",
+                "        self.last_y = self.q1",
+                "        self.last_side = side",
                 "        self.last_rate = rate",
             ]
         lines += ["", "    def advance_frame(self, duration: float) -> None:"]

@@ -47,7 +47,7 @@ class LinearClass(DerivedClass):
         head += [f"        self.{s.name}: float = 0.0" for s in self.constants.values()]
         head += ["", "    def refresh(self) -> None:", "        super().refresh()"]
         moved = any_of(("self.ax", "self.ay"))
-        head.append(f"        self.works = self.forced or self.reshapes or {moved}")
+        head.append(f"        self.works = not self.plain or {moved}")
         head += self._constants()
         return [*head, *(line for method in methods for line in method)]
 

@@ -32,7 +32,7 @@ class ModelParts(Writer):
         self.fields = [s for s in self._symbols if s not in self.state and s not in moving]
         #: what is zero without forces, damping and change of shape
         self.off = {
-            **dict.fromkeys(self.forcing, ZERO),
+            **dict.fromkeys((*self.d.external_inputs, *self.resisting), ZERO),
             **{s.rate: ZERO for s in self.shapes},
             **{s.acceleration: ZERO for s in self.shapes},
         }
@@ -42,17 +42,22 @@ class ModelParts(Writer):
         d = self.d
         numerators, denominator = d.accelerations
         stated = [*numerators, denominator, *d.shared.values(), d.kinetic, *d.potential_terms]
-        stated += [e for terms in d.fed for e in terms] + [*self.observed.values()]
+        stated += [*d.fed, *self.observed.values()]
         stated += [r.external for r in d.raw] + [r.drag for r in d.raw] + d.couples
         used = {s for e in stated for s in sympy.sympify(e).free_symbols}
         used -= {*d.place, *d.motion, *d.shared, *d.field}
         return sorted(used, key=str)
 
     @cached_property
-    def forcing(self) -> list[Symbol]:
-        """Inputs and drag coefficients without which there are no forces."""
-        inputs = self.d.external_inputs
-        return [*inputs, *(x.coefficient for x in self.m.damping)]
+    def resisting(self) -> list[Symbol]:
+        """Coefficients of the dampers."""
+        return [x.coefficient for x in self.m.damping]
+
+    @cached_property
+    def always_pushed(self) -> bool:
+        """Whether there are forces or couples without any input."""
+        still = dict.fromkeys(self.d.external_inputs, ZERO)
+        return any(e.subs(still) != 0 for e in [r.external for r in self.d.raw] + self.d.couples)
 
     @cached_property
     def observed(self) -> dict[str, Expr]:
@@ -118,8 +123,9 @@ class ModelParts(Writer):
         lines += ["        # gravity less the acceleration of the frame"]
         lines += ["        self.ex: float = 0.0", "        self.ey: float = 0.0"]
         lines += [
-            "        #: whether there is any force or damping",
-            "        self.forced: bool = False",
+            "        #: whether there is any force, or damping",
+            "        self.pushed: bool = False",
+            "        self.damped: bool = False",
         ]
         lines += ["        #: whether a shape moves", "        self.reshapes: bool = False"]
         lines += ["        #: neither", "        self.plain: bool = True"]
@@ -228,11 +234,16 @@ class ModelParts(Writer):
             own = [self.names[s] for x in self.shapes for s in (x.rate, x.acceleration)]
             lines.append(f"        self.reshapes = {any_of(f'self.{n}' for n in own)}")
             lines.append("        self.is_constant = not self.reshapes")
-        if self.forcing:
-            own = [self.names[s] for s in self.forcing]
-            lines.append(f"        self.forced = {any_of(f'self.{n}' for n in own)}")
-        lines.append("        self.plain = not (self.forced or self.reshapes)")
-        lines.append("        self.works = self.forced or self.moving or self.reshapes")
+        if self.always_pushed:
+            lines.append("        self.pushed = True")
+        elif self.d.external_inputs:
+            own = [self.names[s] for s in self.d.external_inputs]
+            lines.append(f"        self.pushed = {any_of(f'self.{n}' for n in own)}")
+        if self.resisting:
+            own = [self.names[s] for s in self.resisting]
+            lines.append(f"        self.damped = {any_of(f'self.{n}' for n in own)}")
+        lines.append("        self.plain = not (self.pushed or self.damped or self.reshapes)")
+        lines.append("        self.works = self.moving or not self.plain")
         lines += self._constants()
         return lines
 

@@ -27,7 +27,17 @@ _LOCALS = frozenset(
 _FIELDS = frozenset(
     (
         *("q0", "q1", "v0", "v1", "x", "y", "vx", "vy", "ax", "ay", "work", "turns", "turns1"),
-        *("moving", "works", "settles", "plain", "forced", "reshapes", "kinetic", "potential"),
+        *(
+            "moving",
+            "works",
+            "settles",
+            "plain",
+            "pushed",
+            "damped",
+            "reshapes",
+            "kinetic",
+            "potential",
+        ),
         *("potential_size", "initial_energy", "is_linear", "is_constant", "projects"),
     )
 )
