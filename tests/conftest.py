@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -16,14 +18,44 @@ from harness import Extracted, Instance
 
 from curvebound.fmi.build import build
 from curvebound.fmi.compile import why_not
+from curvebound.locks import locked
+
+SLOW_LIMIT = 1800  # s that a slow test may take
 
 NAMES = ("BeadOnWire", "ParabolaDrive", "ParabolaPendulum")
 
 
-def _built(folder: Path, *, compiled: bool) -> Path:
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.get_closest_marker("slow") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(SLOW_LIMIT))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
+    """Where everything is installed (CI=true, see .ci/run), a skipped test is a failed one."""
+    report = yield
+    if report.skipped and os.environ.get("CI") == "true" and not hasattr(report, "wasxfail"):
+        report.outcome = "failed"
+        report.longrepr = f"skipped though CI=true: {report.longrepr[-1]}"
+    return report
+
+
+def shared(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], None]) -> Path:
+    """The folder `name` of this run, filled by make(folder) in one of the processes that test."""
+    base = factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / name
+    with locked(folder.with_suffix(".lock"), wait=True):
+        if not folder.is_dir():
+            scratch = folder.with_suffix(".part")
+            make(scratch)
+            scratch.rename(folder)
+    return folder
+
+
+def _built(folder: Path, *, compiled: bool) -> None:
     for name in NAMES:
         build(name, folder, compiled=compiled)
-    return folder
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -36,15 +68,21 @@ def _same_sys_path() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of the three built FMUs, compiled where a C compiler is found."""
-    return _built(tmp_path_factory.mktemp("fmus"), compiled=not why_not())
+    return shared(tmp_path_factory, "fmus", partial(_built, compiled=not why_not()))
+
+
+@pytest.fixture(scope="session")
+def fmus(fmu_folder: Path) -> Path:
+    """The same, where a folder's own tests do not take the name for something else."""
+    return fmu_folder
 
 
 @pytest.fixture(scope="session")
 def interpreted_fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of the three FMUs, built without compiling the kernel."""
-    return _built(tmp_path_factory.mktemp("interpreted_fmus"), compiled=False)
+    return shared(tmp_path_factory, "interpreted", partial(_built, compiled=False))
 
 
 def _extracted(folder: Path) -> Iterator[dict[str, Extracted]]:

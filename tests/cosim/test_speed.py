@@ -14,6 +14,7 @@ from curvebound.cosim.compare import costs
 from curvebound.cosim.fmu import extracted
 
 
+@pytest.mark.slow
 def test_a_macro_step_costs_less_than_half_of_simulate_ssp(monkeypatch):
     from curvebound.cosim import compare
 
@@ -33,6 +34,7 @@ def ring(mass_fmu, count):
     return scene.record("m0.x", f"m{count - 1}.v")
 
 
+@pytest.mark.slow
 def test_a_thousand_components(mass_fmu):
     """Set-up under 30 s; cost per macro step linear in the number of components."""
     counts = [10, 100, 1000]
@@ -52,6 +54,7 @@ def test_a_thousand_components(mass_fmu):
     assert 0.8 < exponent < 1.25, cost
 
 
+@pytest.mark.slow
 def test_prepared_runs_beat_simulate_fmu_by_name():
     """A sweep's throughput: instances reset and reused, against fmpy with a file name each time."""
     scene = load_scene("bead_on_wire")

@@ -64,23 +64,23 @@ def test_cuts_agree(start, method: str, label: str) -> None:
         assert max(errors.values()) < 1.1 * errors["one step"] + 2e-12
 
 
-@pytest.mark.parametrize("tiny", [1e-3, 1e-5, 1e-7, 1e-9, 1e-12, 1e-15])
 @pytest.mark.parametrize("label", SOLUTIONS)
 @pytest.mark.parametrize("method", ["rk4", "adaptive", "implicit"])
-def test_a_tiny_step_between_does_no_harm(start, method: str, label: str, tiny: float) -> None:
+def test_a_tiny_step_between_does_no_harm(start, method: str, label: str) -> None:
     """What a method carries from step to step is of no use after a step so much shorter."""
     solution = SOLUTIONS[label]
     parameters = {"solver.method": method, "solver.step": 1e-3, "solver.tolerance": 1e-10}
-    instance = start(solution.fmu, {**solution.parameters, **parameters})
-    instance.run(10, 0.05)
-    instance.step(tiny)
-    instance.step(0.5 - tiny)
-    errors = [
-        abs(value - exact)
-        for value, exact in zip(instance.get(*solution.names), solution.at_1, strict=True)
-    ]
-    assert max(errors) < 1e-8
-    assert instance["solver.evaluations"] < 10000
+    for tiny in (1e-3, 1e-7, 1e-12, 1e-15):
+        instance = start(solution.fmu, {**solution.parameters, **parameters})
+        instance.run(10, 0.05)
+        instance.step(tiny)
+        instance.step(0.5 - tiny)
+        errors = [
+            abs(value - exact)
+            for value, exact in zip(instance.get(*solution.names), solution.at_1, strict=True)
+        ]
+        assert max(errors) < 1e-8
+        assert instance["solver.evaluations"] < 10000
 
 
 def counted(start, parameters: dict[str, float], ends: list[float], begin: float = 0.0) -> int:
@@ -92,16 +92,15 @@ def counted(start, parameters: dict[str, float], ends: list[float], begin: float
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.1, 1000.0, 86400.0])
-@pytest.mark.parametrize("per_step", [1, 2, 3, 7, 10])
-def test_sixtieths_of_a_second_add_no_internal_step(start, per_step: int, begin: float) -> None:
-    parameters = {"solver.step": 1.0 / (60.0 * per_step)}
+def test_sixtieths_of_a_second_add_no_internal_step(start, begin: float) -> None:
     summed = [begin]
     for _ in range(600):
         summed.append(summed[-1] + 1.0 / 60.0)
-    assert counted(start, parameters, summed[1:], begin) == 600 * per_step
     multiples = [begin + i / 60.0 for i in range(1, 601)]
-    assert counted(start, parameters, multiples, begin) == 600 * per_step
-    assert counted(start, parameters, [begin + 10.0], begin) == 600 * per_step
+    for per_step in (1, 2, 3, 7, 10):
+        parameters = {"solver.step": 1.0 / (60.0 * per_step)}
+        for ends in (summed[1:], multiples, [begin + 10.0]):
+            assert counted(start, parameters, ends, begin) == 600 * per_step
 
 
 @pytest.mark.parametrize(

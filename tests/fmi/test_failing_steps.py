@@ -56,7 +56,7 @@ FAILING_STEPS: dict[tuple[Any, ...], tuple[list[Call], tuple[str, ...]]] = {
             ("communicationStepSize", repr(bad)),
         )
         for name in NAMES
-        for bad in (0.0, -0.0, -0.1, -1e300, 1e300, 5e-324, 1e-18, *NOT_FINITE)
+        for bad in (0.0, -0.0, -0.1, 1e300, 5e-324, 1e-18, *NOT_FINITE)
     },
     **{
         (name, "communication point", repr(bad)): (
@@ -64,7 +64,7 @@ FAILING_STEPS: dict[tuple[Any, ...], tuple[list[Call], tuple[str, ...]]] = {
             ("currentCommunicationPoint", repr(bad), "0.2"),
         )
         for name in NAMES
-        for bad in (0.0, 0.1, 0.19999, 0.20001, 0.3, -0.2, 1e300, *NOT_FINITE)
+        for bad in (0.0, 0.19999, 0.20001, -0.2, 1e300, *NOT_FINITE)
     },
     **{
         ("ParabolaDrive", row.name, repr(bad)): (
@@ -95,16 +95,16 @@ def assert_step_refused(fmu: Extracted, outcomes: list[Outcome], *parts: str) ->
     return outcomes[begin + 5 :]
 
 
-@pytest.mark.parametrize("key", FAILING_STEPS, ids="-".join)
-def test_failing_step(extracted, key: tuple[Any, ...]) -> None:
-    name = key[0]
-    rest = assert_step_refused(
-        extracted[name], STEPS.outcome(extracted, key), *FAILING_STEPS[key][1]
-    )
-    assert_fine(rest)
-    assert [r["value"] for r in rest[-2:]] == [
-        r["value"] for r in STRAIGHT.outcome(extracted, (name,))[-2:]
-    ]
+@pytest.mark.parametrize(("name", "what"), dict.fromkeys(key[:2] for key in FAILING_STEPS))
+def test_failing_step(extracted, name: str, what: str) -> None:
+    for key in (key for key in FAILING_STEPS if key[:2] == (name, what)):
+        rest = assert_step_refused(
+            extracted[name], STEPS.outcome(extracted, key), *FAILING_STEPS[key][1]
+        )
+        assert_fine(rest)
+        assert [r["value"] for r in rest[-2:]] == [
+            r["value"] for r in STRAIGHT.outcome(extracted, (name,))[-2:]
+        ]
 
 
 # -- steps that the integration cannot make -------------------------------------------------------

@@ -17,7 +17,6 @@ import pytest
 from pythonfmu.builder import FmuBuilder
 
 from curvebound.fmi import forwarding
-from curvebound.fmi.build import build
 from curvebound.fmi.compile import compiler
 from curvebound.fmi.folder import names
 
@@ -193,12 +192,11 @@ def system_python(host: Host, bead: Unpacked) -> None:
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def built(fmu_folder: Path) -> dict[str, Path]:
     """The FMUs of this project, built."""
     if forwarding.compile_forwarder() is None:
         pytest.skip(forwarding.why_not())
-    folder = tmp_path_factory.mktemp("built")
-    return {name: build(name, folder).path for name in names()}
+    return {name: fmu_folder / f"{name}.fmu" for name in names()}
 
 
 @pytest.fixture(scope="session")

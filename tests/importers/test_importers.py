@@ -17,8 +17,10 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 from curvebound.fmi import forwarding
-from curvebound.fmi.build import build
 from curvebound.fmi.folder import names
+
+#: .ci/run waits for its installations before the slow tests
+pytestmark = pytest.mark.slow
 
 HERE = Path(__file__).parent
 TOOLS = Path(
@@ -63,12 +65,11 @@ class Expected:
 
 
 @pytest.fixture(scope="session")
-def expected(tmp_path_factory):
+def expected(fmus):
     if forwarding.compile_forwarder() is None:
         pytest.skip(forwarding.why_not())
     assert names() == sorted(NAMES)
-    folder = tmp_path_factory.mktemp("built")
-    return {name: Expected(build(name, folder).path) for name in NAMES}
+    return {name: Expected(fmus / f"{name}.fmu") for name in NAMES}
 
 
 def tool(path):

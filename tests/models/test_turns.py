@@ -35,20 +35,27 @@ def test_reduction_is_exact(angle: float) -> None:
     assert unwind(rest, turns) == angle
 
 
+#: on and beside the upward ray, where the angle to begin with may round to the other side
+STARTS = [0.0, 1.0, *(n * math.pi for n in (-7, -3, -1, 1, 3, 5, 33)), 100.0]
+
+
 @pytest.mark.parametrize("choices", CARTESIAN, ids=["none", "baumgarte", "projection"])
-@pytest.mark.parametrize("rate", [0.05, 0.9, 2.9, 3.1, 3.3, 6.2, 6.4, 40.0, 1000.3])
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("start", [0.0, 1.0, math.pi, -math.pi, 100.0])
+@pytest.mark.parametrize("start", STARTS)
 def test_turns_of_a_free_bead(
-    choices: dict[str, int],
+    choices: dict[str, int], start: float, bead_defaults: dict[str, float], outputs: Any
+) -> None:
+    for rate in (0.05, -2.9, 3.1, -3.3, 6.2, -6.4, 1000.3):
+        turns_at(rate, choices, start, bead_defaults, outputs)
+
+
+def turns_at(
     rate: float,
-    sign: int,
+    choices: dict[str, int],
     start: float,
     bead_defaults: dict[str, float],
     outputs: Any,
 ) -> None:
     # one radian per second times `rate` per step of one second, placed exactly by hand
-    rate *= sign
     model = bead_on_wire(choices)
     free = {
         **bead_defaults,
@@ -59,7 +66,7 @@ def test_turns_of_a_free_bead(
     }
     model.start(free, choices)
     assert outputs(model)["bead.angle"] == pytest.approx(start, abs=1e-15, rel=1e-15)
-    for i in range(1, 60):
+    for i in range(1, 40):
         angle = start + rate * i
         model.q0, model.q1 = 2.0 * math.sin(angle), -2.0 * math.cos(angle)
         model.v0, model.v1 = 2.0 * rate * math.cos(angle), 2.0 * rate * math.sin(angle)
@@ -81,8 +88,7 @@ def test_upward_ray_itself(
 
 
 @pytest.mark.parametrize("choices", CARTESIAN, ids=["none", "baumgarte", "projection"])
-@pytest.mark.parametrize("rate", [6.4, -9.0, 25.0])
-@pytest.mark.parametrize("step", [1e-3, 5e-3])
+@pytest.mark.parametrize(("rate", "step"), [(6.4, 1e-3), (-9.0, 5e-3), (25.0, 5e-3)])
 def test_both_formulations_count_the_same_turns(
     choices: dict[str, int], rate: float, step: float, bead_defaults: dict[str, float], outputs: Any
 ) -> None:
@@ -97,7 +103,7 @@ def test_both_formulations_count_the_same_turns(
         model = bead_on_wire(c)
         model.start(start, c)
         found = []
-        for _ in range(100):
+        for _ in range(60):
             RK4().advance(model, 0.1, round(0.1 / step), 0.0, 1000)
             model.advance_frame(0.1)
             found.append(outputs(model)["bead.angle"])

@@ -198,6 +198,7 @@ def test_an_interrupted_parquet_goes_on(tmp_path: Path) -> None:
     assert parquet.read_table(out).column("point").to_pylist() == list(range(6))
 
 
+@pytest.mark.slow
 def test_a_sweep_on_a_cluster_from_the_command_line(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     from curvebound.cli import main

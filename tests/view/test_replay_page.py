@@ -430,6 +430,7 @@ def test_a_long_result_is_small(tmp_path: Path, kind: str, most: float) -> None:
     assert out.stat().st_size < most
 
 
+@pytest.mark.slow
 def test_a_long_result_is_fluent(tab: Tab, tmp_path: Path) -> None:
     """At least 50 frames a second with 1e5 samples of 10 signals.
 

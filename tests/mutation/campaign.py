@@ -1,0 +1,194 @@
+"""How many small faults the tests notice: a mutation campaign.
+
+    python tests/mutation/campaign.py --room cosim --number 30 --seed 1
+    python tests/mutation/campaign.py                       # every room, 20 mutants each
+
+Draws single small faults (see mutants.py), puts one at a time into a copy of the work tree and runs
+there the tests that can see it (see contexts.py), the quickest first, until one fails. Prints each
+mutant that survived or hung, and a table. Slow, and no part of CI.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from contexts import Contexts, environment_of
+from mutants import Mutant, mutants_of
+
+ROOT = Path(__file__).resolve().parents[2]
+SRC = "src/curvebound"
+#: room -> patterns of its files
+ROOMS = {
+    "models": (f"{SRC}/models/*.py", f"{SRC}/kernel/*.py", "fmus/**/*.py"),
+    "integrators": (f"{SRC}/integrators/*.py", f"{SRC}/kernel/methods/*.py"),
+    "mechanics": (f"{SRC}/mechanics/**/*.py",),
+    "fmi": (f"{SRC}/fmi/**/*.py",),
+    "native": (f"{SRC}/fmi/**/*.c",),
+    "cosim": (f"{SRC}/cosim/*.py",),
+    "study": (f"{SRC}/study/**/*.py",),
+    "view": (f"{SRC}/view/*.py",),
+    "javascript": (f"{SRC}/view/assets/[!u]*.js",),
+    "cli": (f"{SRC}/cli/*.py", f"{SRC}/*.py"),
+}
+SURVIVED, KILLED, HUNG, UNSEEN, INVALID = "survived", "killed", "hung", "no test", "invalid"
+
+
+def copy_of_the_work_tree(folder: Path) -> Path:
+    """What git knows or would add, as it is now."""
+    command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, check=True).stdout.decode()
+    for name in filter(None, listed.split("\0")):
+        if (ROOT / name).is_file():
+            target = folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, target)
+    return folder
+
+
+def drawn(copy: Path, room: str, number: int, seed: int) -> list[Mutant]:
+    """`number` mutants of a room, the same for the same sources and seed."""
+    draw = random.Random(f"{room} {seed}")
+    files = sorted({path for pattern in ROOMS[room] for path in copy.glob(pattern)})
+    found: list[Mutant] = []
+    for path in files:
+        text = path.read_text(encoding="utf-8")
+        found += mutants_of(path.relative_to(copy).as_posix(), text, draw)
+    return draw.sample(found, min(number, len(found)))
+
+
+def within(tests: list[str], seconds: dict[str, float], budget: float) -> list[str]:
+    """The first tests that take `budget` s together, one at least."""
+    chosen: list[str] = []
+    for test in tests:
+        budget -= seconds[test] + 0.02
+        if budget < 0.0 and chosen:
+            break
+        chosen.append(test)
+    return chosen
+
+
+class Trial:
+    """Tries mutants in a copy of its own."""
+
+    def __init__(self, copy: Path, cache: Path, contexts: Contexts, budget: float) -> None:
+        self.copy = copy
+        self.environment = environment_of(copy, cache)
+        self.contexts = contexts
+        self.budget = budget
+
+    def verdict(self, mutant: Mutant) -> str:
+        path = self.copy / mutant.file
+        text = path.read_text(encoding="utf-8")
+        direct, inside = self.contexts.seen_by(mutant.file, mutant.line, text)
+        stages = [within(some, self.contexts.seconds, self.budget) for some in (direct, inside)]
+        stages = [tests for tests in stages if tests]
+        if not stages:
+            return UNSEEN
+        path.write_text(mutant.applied(text), encoding="utf-8")
+        try:
+            if path.suffix == ".c" and not self._compiles(path):
+                return INVALID
+            for tests in stages:
+                found = self._run(tests)
+                if found != SURVIVED:
+                    return found
+            return SURVIVED
+        finally:
+            path.write_text(text, encoding="utf-8")
+
+    def _compiles(self, path: Path) -> bool:
+        command = ["cc", "-fsyntax-only", "-w", f"-I{self.copy}/tests/host", str(path)]
+        return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+    def _run(self, tests: list[str]) -> str:
+        listed = self.copy / "tests.txt"
+        listed.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
+                   "-p", "no:xdist", "--timeout=120", f"@{listed}"]  # fmt: skip
+        limit = 300.0 + 5.0 * sum(self.contexts.seconds[t] for t in tests)
+        with tempfile.TemporaryFile() as log:
+            running = subprocess.Popen(
+                command, cwd=self.copy, env=self.environment, stdout=log, stderr=log,
+                start_new_session=True,
+            )  # fmt: skip
+            try:
+                status = running.wait(limit)
+            except subprocess.TimeoutExpired:
+                return HUNG
+            finally:
+                _end(running)
+            log.seek(0)
+            said = log.read().decode(errors="replace")
+        if status in (0, 5):
+            return SURVIVED
+        return HUNG if "Timeout (>" in said or "Failed: Timeout" in said else KILLED
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process and whatever it started."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
+    parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="default: all")
+    parser.add_argument("--number", type=int, default=20, help="mutants in each room (20)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, choices=(1, 2), default=1)
+    parser.add_argument("--budget", type=float, default=60.0, metavar="SECONDS",
+                        help="of tests that run a mutant at most, as they take unmutated (60); "
+                        "twice for what runs in FMUs")  # fmt: skip
+    parser.add_argument("--contexts", type=Path, default=ROOT / "build" / "mutation",
+                        help="where to keep what the tests run (build/mutation)")  # fmt: skip
+    chosen = parser.parse_args()
+
+    scratch = Path(tempfile.mkdtemp(prefix="curvebound-mutation-"))
+    try:
+        campaign(chosen, scratch)
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def campaign(chosen: argparse.Namespace, scratch: Path) -> None:
+    """Collect contexts, try mutants, print what came of them."""
+    copies = [copy_of_the_work_tree(scratch / f"tree{i}") for i in range(chosen.jobs)]
+    cache = scratch / "cache"
+    contexts = Contexts(chosen.contexts.resolve(), copies[0], cache)
+    contexts.collect()
+    trials = [Trial(copy, cache, contexts, chosen.budget) for copy in copies]
+    counts: dict[str, Counter[str]] = {}
+    for room in chosen.room or ROOMS:
+        mutants = drawn(copies[0], room, chosen.number, chosen.seed)
+        count = counts[room] = Counter()
+
+        def work(i: int, mutants: list[Mutant] = mutants, count: Counter[str] = count) -> None:
+            for mutant in mutants[i :: chosen.jobs]:
+                began = time.monotonic()
+                verdict = trials[i].verdict(mutant)
+                count[verdict] += 1
+                print(f"{verdict:8} {time.monotonic() - began:4.0f} s  {mutant}", flush=True)
+
+        with ThreadPoolExecutor(chosen.jobs) as pool:
+            list(pool.map(work, range(chosen.jobs)))
+    verdicts = (KILLED, HUNG, SURVIVED, UNSEEN, INVALID)
+    print(f"\nseed {chosen.seed}\n{'room':12}" + "".join(f"{v:>10}" for v in verdicts))
+    for room, count in counts.items():
+        print(f"{room:12}" + "".join(f"{count[v]:10}" for v in verdicts))
+
+
+if __name__ == "__main__":
+    main()

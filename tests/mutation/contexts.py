@@ -1,0 +1,159 @@
+"""Which tests can see a line: collected once by running the tests under coverage, then kept.
+
+Only tests that are new since the last time are run. Where a source has changed since, the tests
+that ran any of it are taken.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from coverage import CoverageData
+from watching import SETTINGS
+
+__all__ = ["Contexts", "environment_of"]
+
+HERE = Path(__file__).resolve().parent
+#: what runs inside of an FMU, compiled as a rule, so that coverage does not see it there
+IN_FMUS = ("src/curvebound/models/", "src/curvebound/integrators/", "src/curvebound/kernel/",
+           "src/curvebound/fmi/", "fmus/")  # fmt: skip
+
+
+def environment_of(copy: Path, cache: Path) -> dict[str, str]:
+    """Environment in which processes take the sources of `copy` and keep what they build apart."""
+    path = os.pathsep.join((str(copy / "src"), str(HERE)))
+    return {
+        **os.environ, "PYTHONPATH": path, "CURVEBOUND_CACHE": str(cache),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }  # fmt: skip
+
+
+class Contexts:
+    """What the tests in `copy` run, kept in `folder`."""
+
+    def __init__(self, folder: Path, copy: Path, cache: Path) -> None:
+        self.folder = folder
+        self.copy = copy
+        self.environment = environment_of(copy, cache)
+        #: s that a test took, for all tests that pass
+        self.seconds: dict[str, float] = {}
+        #: tests that load FMUs in this process, those in a browser
+        self.fmus: set[str] = set()
+        self.browser: set[str] = set()
+        self.hashes: dict[str, str] = {}
+        folder.mkdir(parents=True, exist_ok=True)
+        self._data: dict[str, dict[int, list[str]]] = {}
+
+    def collect(self) -> None:
+        """Run the tests that are not known yet; raises CalledProcessError where none can run."""
+        notes = self.folder / "tests.json"
+        kept = json.loads(notes.read_text(encoding="utf-8")) if notes.is_file() else {}
+        there = self._there()
+        new = [test for test in there if test not in kept.get("seconds", {})]
+        if new:
+            print(f"{len(new)} of {len(there)} tests are not known yet: running them", flush=True)
+            found = self._run(new)
+            for key, value in found.items():
+                kept.setdefault(key, {}).update(value)
+            kept["hashes"] = {**self._hashes(), **kept.get("hashes", {})}
+            notes.write_text(json.dumps(kept), encoding="utf-8")
+        here = set(there)
+        self.seconds = {t: s for t, s in kept["seconds"].items() if t in here}
+        self.fmus = {t for t in kept["fmus"] if t in here}
+        self.browser = {t for t in kept["browser"] if t in here}
+        self.hashes = kept["hashes"]
+        self._read()
+
+    def _there(self) -> list[str]:
+        command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider"]
+        done = subprocess.run(
+            command, cwd=self.copy, env=self.environment, capture_output=True, text=True, check=True
+        )
+        return [line for line in done.stdout.splitlines() if "::" in line]
+
+    def _run(self, tests: list[str]) -> dict[str, dict[str, object]]:
+        settings = self.folder / "coverage.cfg"
+        data = self.folder / "coverage"
+        settings.write_text(SETTINGS.format(source=self.copy / "src", data=data), encoding="utf-8")
+        listed = self.folder / "new.txt"
+        listed.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
+        watched = self.folder / "watched.json"
+        command = [sys.executable, "-m", "coverage", "run", f"--rcfile={settings}", "-m", "pytest",
+                   "-q", "-p", "watching", "-p", "no:cacheprovider", "-p", "no:xdist",
+                   "-o", "timeout=0", f"@{listed}"]  # fmt: skip
+        environment = {**self.environment, "CAMPAIGN_WATCH": str(watched), "CAMPAIGN_TEST": ""}
+        with (self.folder / "log.txt").open("w") as log:
+            subprocess.run(
+                command, cwd=self.copy, env=environment, stdout=log, stderr=log, check=False
+            )
+        combine = [sys.executable, "-m", "coverage", "combine", f"--rcfile={settings}", "--append"]
+        subprocess.run(
+            combine, cwd=self.copy, env=self.environment, check=True, capture_output=True
+        )
+        found: dict[str, dict[str, object]] = json.loads(watched.read_text(encoding="utf-8"))
+        return found
+
+    def _hashes(self) -> dict[str, str]:
+        return {
+            path.relative_to(self.copy).as_posix(): _hash(path)
+            for path in sorted((self.copy / "src").rglob("*.py"))
+        }
+
+    def _read(self) -> None:
+        data = CoverageData(basename=str(self.folder / "coverage"))
+        data.read()
+        for file in data.measured_files():
+            name = "src/curvebound/" + file.rpartition("/src/curvebound/")[2]
+            lines = self._data.setdefault(name, {})
+            for line, contexts in data.contexts_by_lineno(file).items():
+                lines.setdefault(line, []).extend(contexts)
+
+    def seen_by(self, file: str, line: int, text: str) -> tuple[list[str], list[str]]:
+        """Tests that run the line of `file`, whose content is `text`, and those that may in an FMU.
+
+        Both with the quickest first.
+        """
+        if file.endswith(".js"):
+            return self._sorted(self.browser), []
+        if file.endswith((".c", ".h")):
+            hosts = {t for t in self.seconds if t.startswith("tests/host/")}
+            return self._sorted(hosts), self._sorted(self.fmus - hosts)
+        lines = self._data.get(file, {})
+        unchanged = self.hashes.get(file) == hashlib.sha256(text.encode()).hexdigest()
+        direct: set[str] = set()
+        if unchanged:
+            for number in _statement(text, line):
+                direct.update(lines.get(number, ()))
+        if direct == {""} or not unchanged:  # run at import, or the numbers are other lines' now
+            direct = {test for some in lines.values() for test in some}
+        direct &= self.seconds.keys()
+        inside = self.fmus - direct if file.startswith(IN_FMUS) else set()
+        return self._sorted(direct), self._sorted(inside)
+
+    def _sorted(self, tests: Iterable[str]) -> list[str]:
+        return sorted((t for t in tests if t in self.seconds), key=lambda t: self.seconds[t])
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _statement(text: str, line: int) -> range:
+    """Lines of the innermost statement around a line, without the statements in it."""
+    best = range(line, line + 1)
+    size = sys.maxsize
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or line):
+            body = getattr(node, "body", None)
+            end = body[0].lineno if body else (node.end_lineno or line) + 1
+            found = range(node.lineno, max(end, node.lineno + 1))
+            if line in found and len(found) <= size:
+                best, size = found, len(found)
+    return best

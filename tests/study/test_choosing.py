@@ -1,0 +1,333 @@
+"""How tuning judges and chooses, on settings whose errors and costs follow known laws."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import t as student
+
+from curvebound.cosim import load_scene
+from curvebound.study.candidate import Candidate
+from curvebound.study.ensemble import Ensemble
+from curvebound.study.follow import coarser, follow
+from curvebound.study.judge import judge
+from curvebound.study.reference import Reference
+from curvebound.study.settings import Setting
+from curvebound.study.tune import Tuner
+
+Law = Callable[[Setting], tuple[float, float]]
+ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4, "implicit": 4}
+
+
+def candidate(setting: Setting, miss: float, cpu: float, **more: Any) -> Candidate:
+    return Candidate(setting, miss, cpu, miss, **more)
+
+
+def family(method: str, step: float = 0.1) -> Setting:
+    return Setting((), method, None, step, "gauss_seidel")
+
+
+def followed(method: str, law: Law, give_up: float = math.inf, **more: Any) -> list[float]:
+    """The sizes tried."""
+    tried = follow(family(method), lambda s: candidate(s, *law(s)), give_up, **more)
+    return [c.setting.size for c in tried if c.setting.size is not None]
+
+
+@pytest.mark.parametrize("method", ["explicit_euler", "rk4", "implicit"])
+def test_a_method_of_known_order_takes_two_runs(method: str) -> None:
+    """miss = (size / 1 ms)^order: the second run aims at 0.35 of the bound and meets that."""
+    order = ORDERS[method]
+    sizes = followed(method, lambda s: ((s.size / 1e-3) ** order, 1e-5))
+    wanted = 0.35 ** (1.0 / order) * 1e-3
+    assert sizes == [0.1, 0.1 / math.ceil(0.1 / wanted)]
+
+
+def test_a_tolerance_is_taken_in_quarters_of_a_power_of_ten() -> None:
+    sizes = followed("adaptive", lambda s: (s.size / 1e-6, 1e-5))
+    assert sizes == pytest.approx([1e-3, 10.0**-6.5])
+
+
+def test_an_order_other_than_expected_is_measured() -> None:
+    """A method that lost an order, as one of order 4 does where its motion has kinks."""
+    sizes = followed("rk4", lambda s: ((s.size / 1e-3) ** 3, 1e-5))
+    assert len(sizes) == 3
+    assert sizes[2] == pytest.approx(1e-3 * 0.35 ** (1 / 3), rel=0.02)
+
+
+def test_a_family_that_would_cost_too_much_is_dropped() -> None:
+    """1 us a step: at 1 ms it costs 1 ms per second, which is known after two runs."""
+
+    def law(setting: Setting) -> tuple[float, float]:
+        return (setting.size / 1e-5) ** 1, 1e-4 + 1e-6 / setting.size
+
+    assert len(followed("explicit_euler", law, 1e-3)) == 1
+    assert len(followed("explicit_euler", law, 1.0)) == 2
+    assert len(followed("explicit_euler", lambda s: (math.inf, 0.1), 0.5)) > 1
+
+
+def test_what_is_far_below_its_bound_is_made_coarser() -> None:
+    first = family("rk4").with_size(1e-4)
+    sizes = followed("rk4", lambda s: ((s.size / 1e-3) ** 4, 1e-5), first=first, floor=0.02)
+    assert sizes == [1e-4, pytest.approx(1e-3 * 0.35**0.25, rel=0.02)]
+    sizes = followed("rk4", lambda s: ((s.size / 1e-3) ** 4, 1e-5), first=first)
+    assert sizes == [1e-4]
+
+
+def test_exact_is_run_once() -> None:
+    assert len(follow(family("exact"), lambda s: candidate(s, 2.0, 1.0), 1.0)) == 1
+
+
+def test_one_notch_coarser() -> None:
+    rk4, adaptive = family("rk4"), family("adaptive")
+    notch = coarser(rk4.with_size(0.1 / 131))
+    assert notch is not None
+    assert notch.size == pytest.approx(0.1 / 99)
+    two = coarser(rk4.with_size(0.05))
+    assert two is not None
+    assert two.size == 0.1
+    assert coarser(rk4.with_size(0.1)) is None
+    assert coarser(family("exact")) is None
+    looser = coarser(adaptive.with_size(1e-5))
+    assert looser is not None
+    assert looser.size == pytest.approx(1e-4)
+    assert coarser(adaptive.with_size(1e-2)) is None
+
+
+# -- an ensemble of starts ------------------------------------------------------------------------
+
+
+def ensemble(misses: list[float]) -> Ensemble:
+    """Starts whose errors are these multiples of a bound of 1e-3."""
+
+    def glance(setting: Setting, start: dict[str, float]) -> Any:
+        outputs = {"x": misses[round(start["a"])]}
+        return SimpleNamespace(failure="", times=[0.0, 1.0], cpu=1e-5, outputs=outputs)
+
+    def errors(times: Any, outputs: Any, *, member: int, least: Any) -> Any:
+        assert outputs["x"] == misses[member]
+        return {"x": SimpleNamespace(worst=1e-3 * misses[member])}
+
+    runner, truths = SimpleNamespace(glance=glance), SimpleNamespace(errors=errors)
+    return Ensemble(runner, truths, {"a": np.arange(len(misses))})  # type: ignore[arg-type]
+
+
+def test_of_other_starts_is_expected_what_the_spread_says() -> None:
+    """The bound of prediction, one-sided, at 99.5 %, of errors that are log-normal."""
+    misses = [0.1, 0.2, 0.05, 0.12, 0.3, 0.07]
+    made = ensemble(misses)
+    found = made.all(family("rk4"), {"x": 1e-3})
+    logs = np.log(misses)
+    reach = student.ppf(0.995, 5) * statistics.stdev(logs) * math.sqrt(1.0 + 1.0 / 6.0)
+    assert found.miss == pytest.approx(math.exp(logs.mean() + reach), rel=1e-3)
+    assert found.seen == pytest.approx(0.3)
+    assert found.starts == made.runs == 6
+    assert not found.fits
+
+
+def test_equal_starts_leave_a_margin_of_a_tenth_and_wild_ones_of_a_thousand() -> None:
+    assert ensemble([0.5] * 6).all(family("rk4"), {"x": 1e-3}).miss == pytest.approx(0.55)
+    wild = [0.5, 0.5e-6, 0.5e-9, 0.5e-3, 0.5e-12, 0.5]
+    assert ensemble(wild).all(family("rk4"), {"x": 1e-3}).miss == pytest.approx(500.0)
+
+
+def test_of_two_starts_nothing_is_expected() -> None:
+    assert ensemble([0.5, 0.1]).all(family("rk4"), {"x": 1e-3}).miss == pytest.approx(0.5)
+
+
+def test_a_setting_that_misses_by_far_at_the_first_starts_is_not_run_from_the_others() -> None:
+    for worst, starts in ((31.0, 4), (29.0, 6)):
+        found = ensemble([0.5, worst, 0.5, 0.5, 0.5, 0.5]).all(family("rk4"), {"x": 1e-3})
+        assert found.starts == starts
+        assert found.seen == pytest.approx(worst)
+
+
+# -- the choice -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def bead() -> Iterator[Tuner]:
+    scene = load_scene("bead_on_wire")
+    scene.stop_time = 2.0
+    tuner = Tuner(scene, list(scene.needs.errors), starts=4)
+    yield tuner
+    tuner.close()
+
+
+class Truth:
+    """In place of references: uncertain by `doubt` per second."""
+
+    def __init__(self, doubt: float) -> None:
+        self.doubt = doubt
+
+    @property
+    def reference(self) -> Truth:
+        return self
+
+    def uncertainty(self, path: str, times: Any) -> Any:
+        return self.doubt * np.asarray(times)[:, None]
+
+
+def obeying(tuner: Tuner, monkeypatch: pytest.MonkeyPatch, law: Law, doubt: float = 0.0) -> None:
+    """Let a tuner meet errors and costs by `law`, the same at every start."""
+
+    def one(setting: Setting, bounds: Any, member: int = 0) -> Candidate:
+        tuner.ensemble.runs += 1
+        return candidate(setting, *law(setting))
+
+    def every(setting: Setting, bounds: Any) -> Candidate:
+        miss, cpu = law(setting)
+        return replace(candidate(setting, 1.1 * miss, cpu, starts=4), seen=miss)
+
+    monkeypatch.setattr(tuner.ensemble, "one", one)
+    monkeypatch.setattr(tuner.ensemble, "all", every)
+    monkeypatch.setattr(tuner.runner, "cost", lambda setting: law(setting)[1])
+    monkeypatch.setattr(tuner, "truths", Truth(doubt))
+
+
+def random_law(seed: int) -> Law:
+    """Each structure and method with an error and a cost of its own."""
+
+    def law(setting: Setting) -> tuple[float, float]:
+        draw = np.random.default_rng([seed, *repr(setting.family).encode()])
+        level, overhead, unit = 10.0 ** draw.uniform([-3.5, -5.0, -8.0], [-1.0, -4.5, -6.5])
+        if setting.size is None:
+            return 1e-9, overhead
+        if setting.by_tolerance:
+            return setting.size / level, overhead - 1e-6 * math.log10(setting.size)
+        return (setting.size / level) ** ORDERS[setting.method], overhead + unit / setting.size
+
+    return law
+
+
+def cheapest(tuner: Tuner, law: Law) -> float:
+    """By trying everything: at 0.9 of the bound, which leaves the margin for other starts."""
+    costs = []
+    for one in tuner.space.families(tuner.step, "gauss_seidel"):
+        sizes = [10.0 ** (-n / 4) for n in range(8, 61)] if one.by_tolerance else []
+        sizes = sizes or [tuner.step / n for n in range(1, 20000)]
+        costs.append(min(cpu for s in sizes for miss, cpu in [law(one.with_size(s))] if miss < 0.9))
+    return min(costs)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_choice_costs_little_more_than_the_cheapest_of_all(
+    bead: Tuner, monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    law = random_law(seed)
+    obeying(bead, monkeypatch, law)
+    choice = bead.tune(dict.fromkeys(bead.paths, 1e-6))
+    assert choice.chosen is not None
+    assert choice.chosen.fits
+    assert choice.sure
+    assert choice.runs < 120
+    assert choice.until == 2.0
+    # 1.2: nearly the same cost, but more accurate
+    assert choice.chosen.cpu < 1.25 * cheapest(bead, law)
+    if choice.cheaper is not None:
+        assert choice.cheaper.cpu < choice.chosen.cpu
+        assert choice.cheaper.miss > 1.0
+
+
+def test_of_nearly_equal_costs_the_more_accurate_is_chosen(
+    bead: Tuner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def law(setting: Setting) -> tuple[float, float]:
+        costs = {"rk4": 1.0e-5, "adaptive": 1.15e-5, "implicit": 1.3e-5}
+        misses = {"rk4": 0.8, "adaptive": 0.3, "implicit": 0.1}
+        return misses.get(setting.method, 2.0), costs.get(setting.method, 1e-4)
+
+    obeying(bead, monkeypatch, law)
+    choice = bead.tune(dict.fromkeys(bead.paths, 1e-6))
+    assert choice.chosen is not None
+    assert choice.chosen.setting.method == "adaptive"
+
+
+def test_a_budget_is_kept_by_another_choice_or_said_to_be_too_small(
+    bead: Tuner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def law(setting: Setting) -> tuple[float, float]:
+        fine = setting.method == "adaptive" and setting.size is not None and setting.size < 2e-7
+        return (0.5, 1e-4) if fine else (40.0 if setting.method == "rk4" else 60.0, 1e-5)
+
+    obeying(bead, monkeypatch, law)
+    bounds = dict.fromkeys(bead.paths, 1e-6)
+    choice = bead.tune(bounds, budget=2e-4)
+    assert choice.within_budget
+    assert choice.affordable is None
+    choice = bead.tune(bounds, budget=5e-5)
+    assert choice.chosen is not None
+    assert choice.chosen.cpu == 1e-4
+    assert not choice.within_budget
+    assert choice.affordable is None  # nothing that was run from every start costs so little
+
+
+def test_the_bound_can_be_judged_as_long_as_the_reference_is_a_hundred_times_surer(
+    bead: Tuner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """1e-8 per second less 1 %: 100 times that exceeds 1e-6 after 1.01 s."""
+    obeying(bead, monkeypatch, random_law(1), doubt=0.99e-8)
+    choice = bead.tune(dict.fromkeys(bead.paths, 1e-6))
+    assert choice.until == pytest.approx(1.01, abs=1e-9)
+
+
+@pytest.mark.parametrize(("algorithm", "order"), [("strang", 2), ("gauss_seidel", 1)])
+def test_a_macro_step_follows_from_the_order_of_the_algorithm(
+    monkeypatch: pytest.MonkeyPatch, algorithm: str, order: int
+) -> None:
+    """100 times the bound at the scene's macro step: a tenth and a little less, or a hundredth."""
+    scene = load_scene("active_damping")
+    scene.stop_time = 1.0
+    tuner = Tuner(scene, list(scene.needs.errors), continuous=True, starts=4)
+    try:
+
+        def law(setting: Setting) -> tuple[float, float]:
+            p = 2 if setting.algorithm == "strang" else 1
+            dear = setting.algorithm != algorithm
+            miss = 100.0 * (setting.step / scene.step) ** p
+            return miss, (1.0 if dear else 1e-5) * scene.step / setting.step
+
+        obeying(tuner, monkeypatch, law)
+        tried: list[Candidate] = []
+        macro = tuner._macro(dict.fromkeys(tuner.paths, 1e-3), tried, lambda _: None)
+    finally:
+        tuner.close()
+    assert macro.algorithm == algorithm
+    wanted = (0.35 / 100.0) ** (1.0 / order) * scene.step
+    assert macro.step == pytest.approx(scene.step / math.ceil(scene.step / wanted))
+    mine = [c for c in tried if c.setting.algorithm == algorithm]
+    assert len(mine) == 2
+
+
+# -- what a reference can judge -------------------------------------------------------------------
+
+
+def test_the_doubt_at_a_time_is_that_of_the_next_comparison() -> None:
+    parts: Any = SimpleNamespace(members=1, end=2.0)
+    doubts = {"x": np.array([[1.0], [2.0], [3.0]])}
+    made = Reference(parts, parts, ["x"], [0.0, 1.0, 2.0], doubts, "")
+    times = [0.0, 0.5, 1.0, 1.0 + 1e-13, 1.5, 2.0, 5.0]
+    assert made.uncertainty("x", times)[:, 0].tolist() == [1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0]
+
+
+def test_an_error_is_judged_as_long_as_the_reference_is_a_hundred_times_surer() -> None:
+    times = np.linspace(0.0, 10.0, 11)
+    error = np.array([0.0, 1.0, -3.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0, 4.0, 1.0])
+    sure = judge(times, error, np.full(11, 0.0101))
+    assert (sure.worst, sure.final, sure.until, sure.judged) == (4.0, 1.0, 10.0, True)
+    assert sure.bound == pytest.approx(4.0101)
+    # the running maximum 3 is 100 times 0.03, until the doubt exceeds it
+    grown = judge(times, error, np.array([0.0, *[0.03] * 5, *[0.0301] * 3, 0.05, 0.05]))
+    assert (grown.worst, grown.final, grown.until, grown.judged) == (3.0, 1.0, 5.0, True)
+    known = judge(times, error, np.full(11, 0.05), least=5.0)
+    assert (known.worst, known.until, known.judged) == (4.0, 10.0, True)
+    unknown = judge(times, error, np.array([0.0, *[1.0] * 10]))
+    assert (unknown.worst, unknown.final, unknown.until) == (4.0, 1.0, 10.0)
+    assert not unknown.judged
+    assert judge(times, np.where(times > 5, np.nan, 0.0), np.zeros(11)).worst == math.inf
