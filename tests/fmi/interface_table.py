@@ -53,6 +53,21 @@ UNITS = {
 }
 
 
+#: what adaptive macro steps measure errors by, and tools scale plots with
+NOMINALS = {
+    **dict.fromkeys(("energy.kinetic", "energy.potential", "energy.total", "energy.residual"), 1.0),
+    **dict.fromkeys(("gravity.x", "gravity.y", "wire.ax", "wire.ay"), 10.0),
+    **dict.fromkeys(("parabola.ax", "parabola.ay", "limit.acceleration"), 10.0),
+    **dict.fromkeys(("bead.fx", "bead.fy", "slider.fx", "slider.fy"), 10.0),
+    **dict.fromkeys(("pendulum.fx", "pendulum.fy", "constraint.damping"), 10.0),
+    "constraint.stiffness": 100.0,
+    "constraint.drift": 1e-6,
+    "solver.step": 1e-3,
+    "solver.tolerance": 1e-6,
+    "sample.period": 0.01,
+}
+
+
 class Row(NamedTuple):
     """A variable: `type` is Real, Integer or the name of an enumeration."""
 

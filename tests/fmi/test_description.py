@@ -13,6 +13,7 @@ from interface_table import (
     ENUMERATIONS,
     FINITE,
     INTERFACE,
+    NOMINALS,
     NOT_NEGATIVE,
     POSITIVE,
     UNITS,
@@ -88,7 +89,7 @@ def test_variable(variables, name: str, row: Row) -> None:
     if row.name == "solver.max_steps":
         assert kind.get("min") == "1"
     nominal = kind.get("nominal")
-    assert nominal is None or float(nominal) > 0.0
+    assert (None if nominal is None else float(nominal)) == NOMINALS.get(row.name)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -25,6 +25,16 @@ def test_an_energy_that_is_not_kept_is_told_once_with_the_step_to_try() -> None:
     assert not warnings("BeadOnWire", {**start, "solver.step": better}, 10.0, 0.1)
 
 
+def test_a_small_swing_is_judged_by_the_energy_that_moves_in_it() -> None:
+    """0.5 mJ of a bead that hangs at -9.81 J."""
+    start = {
+        "model.formulation": "angle", "solver.method": "explicit_euler", "solver.step": 1e-2,
+        "bead.angle_start": 0.01,
+    }  # fmt: skip
+    (note,) = warnings("BeadOnWire", start, 10.0, 0.1)
+    assert "energy.residual" in note
+
+
 def test_a_drift_off_the_wire_is_told_once_with_what_holds_it() -> None:
     start = {"constraint.stabilization": "none", "solver.step": 2e-2, "solver.method": "rk4"}
     notes = warnings("BeadOnWire", start, 60.0, 0.1)

@@ -154,6 +154,8 @@ def main() -> None:
                         "twice for what runs in FMUs")  # fmt: skip
     parser.add_argument("--contexts", type=Path, default=ROOT / "build" / "mutation",
                         help="where to keep what the tests run (build/mutation)")  # fmt: skip
+    parser.add_argument("--tests", nargs="+", default=["tests/"], metavar="PATH",
+                        help="collect only tests whose names begin so (all)")  # fmt: skip
     chosen = parser.parse_args()
 
     scratch = Path(tempfile.mkdtemp(prefix="curvebound-mutation-"))
@@ -166,9 +168,10 @@ def main() -> None:
 def campaign(chosen: argparse.Namespace, scratch: Path) -> None:
     """Collect contexts, try mutants, print what came of them."""
     copies = [copy_of_the_work_tree(scratch / f"tree{i}") for i in range(chosen.jobs)]
-    cache = scratch / "cache"
-    contexts = Contexts(chosen.contexts.resolve(), copies[0], cache)
-    contexts.collect()
+    folder = chosen.contexts.resolve()
+    cache = folder / "cache"
+    contexts = Contexts(folder, copies[0], cache)
+    contexts.collect(within=tuple(chosen.tests))
     trials = [Trial(copy, cache, contexts, chosen.budget) for copy in copies]
     counts: dict[str, Counter[str]] = {}
     for room in chosen.room or ROOMS:

@@ -51,12 +51,15 @@ class Contexts:
         folder.mkdir(parents=True, exist_ok=True)
         self._data: dict[str, dict[int, list[str]]] = {}
 
-    def collect(self) -> None:
-        """Run the tests that are not known yet; raises CalledProcessError where none can run."""
+    def collect(self, within: tuple[str, ...]) -> None:
+        """Run those tests that are not known yet whose names begin with one of `within`.
+
+        Raises CalledProcessError where the tests cannot be collected.
+        """
         notes = self.folder / "tests.json"
         kept = json.loads(notes.read_text(encoding="utf-8")) if notes.is_file() else {}
         there = self._there()
-        new = [test for test in there if test not in kept.get("seconds", {})]
+        new = [t for t in there if t not in kept.get("seconds", {}) and t.startswith(within)]
         if new:
             print(f"{len(new)} of {len(there)} tests are not known yet: running them", flush=True)
             found = self._run(new)

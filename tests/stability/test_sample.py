@@ -157,8 +157,39 @@ def test_judgement_sees_every_output(system: str) -> None:
         assert judge(system, point, reference, bad) == (math.inf, name)
 
 
+def test_what_hardly_moves_is_measured_by_lengths_and_characteristic_times() -> None:
+    """A rate by a millionth of the length per characteristic time, a tenth of the run."""
+    length, error = 7.0, 1e-9
+    point = Point(0, {**OFF["pendulum"], "pendulum.length": length})
+    still = sample.Exact(50.0, 1, np.zeros((4, 21), dtype=np.longdouble))
+    columns = {name: np.zeros(21) for name in OUTPUTS["pendulum"]}
+
+    def judged(name: str) -> float:
+        off = {**columns, name: np.full(21, error)}
+        return judge("pendulum", point, still, off)[0]
+
+    assert judge("pendulum", point, still, columns)[0] == 0.0
+    assert judged("pendulum.angle") == pytest.approx(error)
+    assert judged("slider.u") == pytest.approx(error / (1e-6 * length))
+    assert judged("slider.u_rate") == pytest.approx(error / (1e-6 * length / 5.0))
+    assert judged("pendulum.angular_velocity") == pytest.approx(error / (1e-6 / 5.0))
+
+
+def test_what_moves_is_measured_by_how_far() -> None:
+    point = Point(0, {**OFF["pendulum"], "pendulum.length": 2.0})
+    sizes = {"slider.u": 30.0, "pendulum.angle": 4.0, "slider.u_rate": 0.5,
+             "pendulum.angular_velocity": 8.0}  # fmt: skip
+    states = np.outer(list(sizes.values()), np.linspace(0.0, 1.0, 21)).astype(np.longdouble)
+    moving = sample.Exact(50.0, 1, states)
+    columns = dict(zip(sizes, states.astype(float), strict=True))
+    for name, size in sizes.items():
+        off = {**columns, name: columns[name] - 1e-5}
+        error, found = judge("pendulum", point, moving, off)
+        assert (error, found) == (pytest.approx(1e-5 / size), name)
+
+
 @pytest.mark.parametrize("system", [pytest.param("bead", marks=pytest.mark.slow), "pendulum"])
-def test_a_few_points_are_accurate(system: str, tmp_path: Path, capsys: object) -> None:
+def test_a_few_points_are_accurate(system: str, tmp_path: Path) -> None:
     settings = Settings(system)
     outcomes = run_sample(settings, 25, 11)
     assert [one.point.number for one in outcomes] == list(range(25))
@@ -170,7 +201,6 @@ def test_a_few_points_are_accurate(system: str, tmp_path: Path, capsys: object) 
         rows = list(csv.DictReader(file))
     assert len(rows) == 25
     assert float(rows[3]["error"]) == outcomes[3].error
-    print_sample(outcomes, settings, 11)
 
 
 def test_a_loose_tolerance_is_called_wrong_and_a_short_limit_a_failure() -> None:
@@ -199,6 +229,24 @@ def test_points_that_are_hard_to_judge() -> None:
     tame = worker.prepared.run({"plant.pendulum.mass": 1e4})
     assert not [note for note in tame.notes if "rounding" in note]
     worker.prepared.close()
+
+
+def test_a_sample_is_summed_up_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+    """199 points with errors of 1e-8 to 1.99e-6 and 100 to 19900 evaluations, and one refused."""
+    outcomes = [
+        Outcome(Point(k, {}), "accurate", k * 1e-8, "slider.u", evaluations=100 * k, seconds=k / 64)
+        for k in range(1, 200)
+    ]
+    outcomes.append(Outcome(Point(7, {}), "failed", message="too many steps", seconds=0.5))
+    print_sample(outcomes, Settings("pendulum"), 11)
+    assert capsys.readouterr().out.splitlines() == [
+        "pendulum, 200 points, seed 11, adaptive at 1e-08, 10 characteristic times: 199 accurate, "
+        "1 failed",
+        "relative error: median 1.0e-06, 99 % below 2.0e-06, largest 2.0e-06 (point 199, slider.u);"
+        " allowed 1e-06",
+        "work: median 10000 evaluations, most 19900 (point 199); slowest run 3.1 s",
+        "failed: point 7: too many steps",
+    ]
 
 
 def test_what_passes() -> None:

@@ -118,13 +118,16 @@ def test_a_value_that_is_not_finite_is_named() -> None:
 
 
 def test_an_interrupted_sweep_goes_on_and_ends_the_same(tmp_path: Path) -> None:
-    whole = sweep().run(tmp_path / "whole.csv", workers=1)
+    whole = sweep(12).run(tmp_path / "whole.csv", workers=1)
+    table = rows_of(whole.path)
+    assert table[0] == ["point", "bead.bead.damping", *METRICS, "message"]
+    assert [(int(row[0]), float(row[1])) for row in table[1:]] == [(i, i / 11) for i in range(12)]
     part = tmp_path / "part.csv"
     lines = whole.path.read_text().splitlines(keepends=True)
-    sweep().run(part, workers=1)
+    sweep(12).run(part, workers=1)
     part.write_text("".join(lines[:4]) + lines[4][:7])  # killed in the middle of a row
-    result = sweep().run(part, workers=1)
-    assert result.run == 3
+    result = sweep(12).run(part, workers=1)
+    assert result.run == 9
     assert part.read_bytes() == whole.path.read_bytes()
 
 
