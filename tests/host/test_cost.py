@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-pytestmark = pytest.mark.usefixtures("system_python")
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("system_python")]
 
 
 def test_forwarding_costs_less_than_50_ns(compile_host, copy_of, bead, tmp_path):

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import os
 import random
 import shutil
@@ -21,9 +22,10 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import NoReturn
 
+import pytest
 from contexts import Contexts, environment_of
 from mutants import Mutant, mutants_of
 
@@ -42,6 +44,11 @@ ROOMS = {
     "javascript": (f"{SRC}/view/assets/[!u]*.js",),
     "cli": (f"{SRC}/cli/*.py", f"{SRC}/*.py"),
 }
+#: what the tests and the sources import from elsewhere: done once, for all mutants
+ELSEWHERE = ("fmpy.fmi2", "fmpy.simulation", "fmpy.ssp.simulation", "hypothesis", "lxml.etree",
+             "matplotlib.figure", "mpmath", "numpy", "pythonfmu.builder", "rich.console",
+             "rich.progress", "rich.table", "scipy.integrate", "scipy.optimize", "sympy",
+             "websockets.sync.client")  # fmt: skip
 SURVIVED, KILLED, HUNG, UNSEEN, INVALID = "survived", "killed", "hung", "no test", "invalid"
 
 
@@ -113,34 +120,53 @@ class Trial:
         return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
     def _run(self, tests: list[str]) -> str:
+        """Run tests in a fork of this process, which has imported what they need from elsewhere."""
         listed = self.copy / "tests.txt"
         listed.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
-                   "-p", "no:xdist", "--timeout=120", f"@{listed}"]  # fmt: skip
+        arguments = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--timeout=120",
+                     f"@{listed}"]  # fmt: skip
         limit = 300.0 + 5.0 * sum(self.contexts.seconds[t] for t in tests)
         with tempfile.TemporaryFile() as log:
-            running = subprocess.Popen(
-                command, cwd=self.copy, env=self.environment, stdout=log, stderr=log,
-                start_new_session=True,
-            )  # fmt: skip
-            try:
-                status = running.wait(limit)
-            except subprocess.TimeoutExpired:
-                return HUNG
-            finally:
-                _end(running)
+            child = os.fork()
+            if child == 0:
+                self._test(arguments, log.fileno())
+            status = _waited(child, limit)
             log.seek(0)
             said = log.read().decode(errors="replace")
-        if status in (0, 5):
-            return SURVIVED
-        return HUNG if "Timeout (>" in said or "Failed: Timeout" in said else KILLED
+        if status is None or "Failed: Timeout" in said:
+            return HUNG
+        return SURVIVED if status in (0, 5) else KILLED
+
+    def _test(self, arguments: list[str], log: int) -> NoReturn:
+        """What the fork does; its exit status is pytest's."""
+        status = 1
+        try:
+            os.setsid()
+            os.dup2(log, 1)
+            os.dup2(log, 2)
+            os.chdir(self.copy)
+            os.environ.update(self.environment)
+            sys.path[:0] = self.environment["PYTHONPATH"].split(os.pathsep)
+            sys.dont_write_bytecode = True
+            status = int(pytest.main(arguments))
+            sys.stdout.flush()
+        finally:
+            os._exit(status)
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a process and whatever it started."""
+def _waited(child: int, limit: float) -> int | None:
+    """The exit status of a child, which is ended, with what it started, after `limit` s: None."""
+    end = time.monotonic() + limit
+    found = 0
+    while not found and time.monotonic() < end:
+        time.sleep(0.05)
+        found, status = os.waitpid(child, os.WNOHANG)
     with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+        os.killpg(child, signal.SIGKILL)
+    if not found:
+        os.waitpid(child, 0)
+        return None
+    return os.waitstatus_to_exitcode(status)
 
 
 def main() -> None:
@@ -148,7 +174,6 @@ def main() -> None:
     parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="default: all")
     parser.add_argument("--number", type=int, default=20, help="mutants in each room (20)")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, choices=(1, 2), default=1)
     parser.add_argument("--budget", type=float, default=60.0, metavar="SECONDS",
                         help="of tests that run a mutant at most, as they take unmutated (60); "
                         "twice for what runs in FMUs")  # fmt: skip
@@ -167,26 +192,23 @@ def main() -> None:
 
 def campaign(chosen: argparse.Namespace, scratch: Path) -> None:
     """Collect contexts, try mutants, print what came of them."""
-    copies = [copy_of_the_work_tree(scratch / f"tree{i}") for i in range(chosen.jobs)]
+    copy = copy_of_the_work_tree(scratch / "tree")
     folder = chosen.contexts.resolve()
     cache = folder / "cache"
-    contexts = Contexts(folder, copies[0], cache)
+    contexts = Contexts(folder, copy, cache)
     contexts.collect(within=tuple(chosen.tests))
-    trials = [Trial(copy, cache, contexts, chosen.budget) for copy in copies]
+    trial = Trial(copy, cache, contexts, chosen.budget)
+    for module in ELSEWHERE:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(module)
     counts: dict[str, Counter[str]] = {}
     for room in chosen.room or ROOMS:
-        mutants = drawn(copies[0], room, chosen.number, chosen.seed)
         count = counts[room] = Counter()
-
-        def work(i: int, mutants: list[Mutant] = mutants, count: Counter[str] = count) -> None:
-            for mutant in mutants[i :: chosen.jobs]:
-                began = time.monotonic()
-                verdict = trials[i].verdict(mutant)
-                count[verdict] += 1
-                print(f"{verdict:8} {time.monotonic() - began:4.0f} s  {mutant}", flush=True)
-
-        with ThreadPoolExecutor(chosen.jobs) as pool:
-            list(pool.map(work, range(chosen.jobs)))
+        for mutant in drawn(copy, room, chosen.number, chosen.seed):
+            began = time.monotonic()
+            verdict = trial.verdict(mutant)
+            count[verdict] += 1
+            print(f"{verdict:8} {time.monotonic() - began:4.0f} s  {mutant}", flush=True)
     verdicts = (KILLED, HUNG, SURVIVED, UNSEEN, INVALID)
     print(f"\nseed {chosen.seed}\n{'room':12}" + "".join(f"{v:>10}" for v in verdicts))
     for room, count in counts.items():

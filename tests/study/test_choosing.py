@@ -6,6 +6,7 @@ import math
 import statistics
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,6 +22,7 @@ from curvebound.study.judge import judge
 from curvebound.study.reference import Reference
 from curvebound.study.settings import Setting
 from curvebound.study.tune import Tuner
+from curvebound.study.verify import MOST
 
 Law = Callable[[Setting], tuple[float, float]]
 ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4, "implicit": 4}
@@ -194,9 +196,13 @@ def obeying(tuner: Tuner, monkeypatch: pytest.MonkeyPatch, law: Law, doubt: floa
 def random_law(seed: int) -> Law:
     """Each structure and method with an error and a cost of its own."""
 
+    @cache
+    def drawn(structure: Any, method: str) -> Any:
+        draw = np.random.default_rng([seed, *repr((structure, method)).encode()])
+        return 10.0 ** draw.uniform([-3.5, -5.0, -8.0], [-1.0, -4.5, -6.5])
+
     def law(setting: Setting) -> tuple[float, float]:
-        draw = np.random.default_rng([seed, *repr(setting.family).encode()])
-        level, overhead, unit = 10.0 ** draw.uniform([-3.5, -5.0, -8.0], [-1.0, -4.5, -6.5])
+        level, overhead, unit = drawn(setting.structure, setting.method)
         if setting.size is None:
             return 1e-9, overhead
         if setting.by_tolerance:
@@ -211,7 +217,7 @@ def cheapest(tuner: Tuner, law: Law) -> float:
     costs = []
     for one in tuner.space.families(tuner.step, "gauss_seidel"):
         sizes = [10.0 ** (-n / 4) for n in range(8, 61)] if one.by_tolerance else []
-        sizes = sizes or [tuner.step / n for n in range(1, 20000)]
+        sizes = sizes or [tuner.step / round(1.02**n) for n in range(500)]
         costs.append(min(cpu for s in sizes for miss, cpu in [law(one.with_size(s))] if miss < 0.9))
     return min(costs)
 
@@ -228,8 +234,8 @@ def test_the_choice_costs_little_more_than_the_cheapest_of_all(
     assert choice.sure
     assert choice.runs < 120
     assert choice.until == 2.0
-    # 1.2: nearly the same cost, but more accurate
-    assert choice.chosen.cpu < 1.25 * cheapest(bead, law)
+    # what the check of tuning allows
+    assert choice.chosen.cpu < MOST * cheapest(bead, law)
     if choice.cheaper is not None:
         assert choice.cheaper.cpu < choice.chosen.cpu
         assert choice.cheaper.miss > 1.0
@@ -239,7 +245,9 @@ def test_of_nearly_equal_costs_the_more_accurate_is_chosen(
     bead: Tuner, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def law(setting: Setting) -> tuple[float, float]:
-        costs = {"rk4": 1.0e-5, "adaptive": 1.15e-5, "implicit": 1.3e-5}
+        if setting.structure != bead.space.structures[0]:
+            return 2.0, 1e-4
+        costs = {"rk4": 1.0e-5, "adaptive": 1.15e-5, "implicit": 1.25e-5}
         misses = {"rk4": 0.8, "adaptive": 0.3, "implicit": 0.1}
         return misses.get(setting.method, 2.0), costs.get(setting.method, 1e-4)
 
@@ -247,6 +255,26 @@ def test_of_nearly_equal_costs_the_more_accurate_is_chosen(
     choice = bead.tune(dict.fromkeys(bead.paths, 1e-6))
     assert choice.chosen is not None
     assert choice.chosen.setting.method == "adaptive"
+
+
+def test_errors_that_spread_too_widely_are_judged_by_what_was_seen(
+    bead: Tuner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Starts of which each comes out a thousandfold apart, as those of a chaotic motion may."""
+    law = random_law(1)
+    obeying(bead, monkeypatch, law)
+
+    def spread(setting: Setting, bounds: Any) -> Candidate:
+        miss, cpu = law(setting)
+        return replace(candidate(setting, 1000.0 * miss, cpu, starts=4), seen=miss)
+
+    monkeypatch.setattr(bead.ensemble, "all", spread)
+    monkeypatch.setattr(bead.ensemble, "members", 4)
+    choice = bead.tune(dict.fromkeys(bead.paths, 1e-6))
+    assert choice.chosen is not None
+    assert choice.sure == (choice.chosen.miss <= 1.0)
+    assert choice.chosen.seen <= 1.0
+    assert choice.chosen.cpu < 1.4 * MOST * cheapest(bead, law)
 
 
 def test_a_budget_is_kept_by_another_choice_or_said_to_be_too_small(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +9,8 @@ import pytest
 
 from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
-from curvebound.study.candidate import Candidate
 from curvebound.study.grid import grid
-from curvebound.study.settings import Setting, space_of
+from curvebound.study.settings import space_of
 from curvebound.study.starts import initial_values, surrounding, unseen
 from curvebound.study.study import Study
 from curvebound.study.teach import order_of
@@ -116,10 +114,10 @@ def test_tuning_keeps_its_promises_on_a_short_scene(
     scene = load_scene("bead_on_wire")
     scene.stop_time = 1.0
     monkeypatch.setattr(verify, "load_scene", lambda name: scene)
-    cases = verify.verify_scene("bead_on_wire", [1e-2, 1e-7], fresh=6, quick=True, limit=0.2)
-    assert [case.bound for case in cases] == [1e-2, 1e-7]
+    cases = verify.verify_scene("bead_on_wire", [1e-2, 1e-6], fresh=3, quick=True, limit=0.05)
+    assert [case.bound for case in cases] == [1e-2, 1e-6]
     for case in cases:
-        assert case.met == case.judged == case.fresh == 6
+        assert case.met == case.judged == case.fresh == 3
         assert case.worst <= 1.0
         assert case.ratio is not None
         assert case.remark == ""
@@ -139,25 +137,6 @@ def test_a_promise_that_is_not_kept_is_named() -> None:
     assert dear == "s, 1e-04: 1.60 times the cost of b"
     (nothing,) = broken([case(20, None, setting="none")])
     assert nothing == "s, 1e-04: found nothing, and the grid has b"
-
-
-def test_errors_that_spread_too_widely_are_judged_by_what_was_seen(
-    short: Tuner, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Starts of which each comes out a thousandfold apart, as those of a chaotic motion may."""
-    known = short.ensemble.one
-
-    def spread(setting: Setting, bounds: dict[str, float], member: int = 0) -> Candidate:
-        found = known(setting, bounds, member)
-        miss = 0.1 * 1e-3 ** ((member + 2) % 4) if found.miss < 1.0 else found.miss
-        return replace(found, miss=miss, seen=miss)
-
-    monkeypatch.setattr(short.ensemble, "one", spread)
-    choice = short.tune(dict.fromkeys(short.paths, 1e-6))
-    assert choice.chosen is not None
-    assert not choice.sure
-    assert choice.chosen.seen == pytest.approx(0.1)
-    assert choice.chosen.miss > 1.0
 
 
 def test_a_choice_is_written_once_and_replaced(short: Tuner, tmp_path: Path) -> None:
