@@ -109,11 +109,11 @@ def test_units(system: str, count: int) -> None:
         values: Any, method: str, piece: tuple[float, float], m: int, kg: int, s: int
     ) -> None:
         values, step = prepared(system, values, method, piece)
-        exponents = {"m": 2 * m, "kg": kg, "s": s}
+        powers = {"m": 2 * m, "kg": kg, "s": s}
 
         def factor(name: str) -> float:
             unit = exponents(variables(system)[name].unit or "1")
-            return math.ldexp(1.0, sum(exponents.get(base, 0) * n for base, n in unit.items()))
+            return math.ldexp(1.0, sum(powers.get(base, 0) * n for base, n in unit.items()))
 
         if system == "bead":
             # their defaults have units too
