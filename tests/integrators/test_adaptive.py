@@ -17,7 +17,7 @@ from curvebound.integrators.base import (
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
 )
-from curvebound.models.base import Model
+from curvebound.models.base import Jacobian, Model
 
 SYSTEMS = [Oscillator, Pendulum, Sliding]
 
@@ -105,6 +105,12 @@ def test_evaluations_are_counted() -> None:
         ) -> tuple[float, float]:
             self.calls += 1
             return super().acceleration(t, q0, q1, v0, v1)
+
+        def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+            calls = self.calls
+            found = super().jacobian(t, q0, q1, v0, v1)
+            self.calls = calls
+            return found
 
     model, method = Counted(), create(4)
     march(method, model, pieces=3)

@@ -84,24 +84,24 @@ def test_extrapolation_is_exact_for_degree_7() -> None:
 
 def test_tail_sees_the_two_highest_legendre_coefficients() -> None:
     smooth = legendre.legval(2 * NODES - 1, [5.0, 100.0, 10.0])
-    spread = polynomial.tail(*smooth.tolist())
+    spread = polynomial.tail(*smooth.tolist(), 0.0)
     assert spread == pytest.approx(0.0, abs=1e-25)
     for degree, weight in ((7, polynomial.HIGHEST), (6, polynomial.NEXT), (5, 0.0), (3, 0.0)):
         small = legendre.legval(2 * NODES - 1, [0.0] * degree + [1e-4])
-        size = polynomial.tail(*(smooth + small).tolist())
+        size = polynomial.tail(*(smooth + small).tolist(), 0.0)
         # the values spread over 100 (2 + 2 * 0.59 ...) plus 10 (...)
         assert size * 300 == pytest.approx(weight * 1e-8, rel=0.5, abs=1e-20)
 
 
 def test_tail_is_proportional_and_at_most_of_the_size_of_what_is_not_smooth() -> None:
     values = np.sin(3 * NODES)
-    size = polynomial.tail(*values.tolist())
+    size = polynomial.tail(*values.tolist(), 0.0)
     assert 0.0 < size < 1e-6
-    assert polynomial.tail(*(1e-9 * values).tolist()) == pytest.approx(1e-9 * size, rel=1e-6)
-    jump = polynomial.tail(*(NODES > 0.5).astype(float).tolist())
+    assert polynomial.tail(*(1e-9 * values).tolist(), 0.0) == pytest.approx(1e-9 * size, rel=1e-6)
+    jump = polynomial.tail(*(NODES > 0.5).astype(float).tolist(), 0.0)
     assert 1e-2 < jump < 1.0
-    assert polynomial.tail(*[7.0] * 8) < 1e-16
-    assert polynomial.tail(*[0.0] * 8) == 0.0
+    assert polynomial.tail(*[7.0] * 8, 0.0) < 1e-16
+    assert polynomial.tail(*[0.0] * 8, 0.0) == 0.0
 
 
 def test_tail_exceeds_the_error_of_the_quadrature() -> None:
@@ -109,7 +109,7 @@ def test_tail_exceeds_the_error_of_the_quadrature() -> None:
         for phase in (0.0, 0.5, 1.0):
             k = np.sin(w * NODES + phase)
             truth = (np.cos(phase) - np.cos(w + phase)) / w
-            assert abs(B @ k - truth) < polynomial.tail(*k.tolist()) + 1e-16
+            assert abs(B @ k - truth) < polynomial.tail(*k.tolist(), 0.0) + 1e-16
 
 
 def test_end_of_the_step() -> None:

@@ -179,15 +179,12 @@ def test_most_steps_bound_stiff_tries_too() -> None:
 
 
 def test_a_light_coordinate_is_right_for_itself() -> None:
-    """Where the model says so: beside a motion a million times as large."""
-    errors = {}
-    for coupling in (1.0, 1e-9):
-        model, method = Oscillator(w0=2.0, w1=30.0), create(4)
-        model.coupling = coupling
-        model.q0, model.v0, model.q1, model.v1 = 1e6, 0.0, 1.0, 0.0
-        march(method, model, 10.0, tolerance=1e-6)
-        errors[coupling] = abs(model.q1 - math.cos(300.0))
-    assert errors[1e-9] < 1e-5 < errors[1.0]
+    """Beside a motion a million times as large."""
+    model, method = Oscillator(w0=2.0, w1=30.0), create(4)
+    model.q0, model.v0, model.q1, model.v1 = 1e6, 0.0, 1.0, 0.0
+    march(method, model, 10.0, tolerance=1e-6)
+    assert model.q1 == pytest.approx(math.cos(300.0), abs=1e-5)
+    assert method.steps < 200
 
 
 def test_time_is_summed_exactly() -> None:

@@ -14,7 +14,8 @@ from ..models.base import Model
 from .base import DONE, NOT_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS, Method
 from .elapsed import Elapsed
 from .lobatto import Collocation
-from .stiff import Stiff, is_stiff
+from .rounding import Rounding
+from .stiff import Stiff, is_stiff, usual
 
 __all__ = ["Adaptive"]
 
@@ -28,17 +29,19 @@ MOST_SHRINKING: Final = 0.2
 #: smallest error in units of the tolerance that is told apart from none
 LEAST_ERROR: Final = 1e-8
 #: error of a step in units of the tolerance, so that over many steps the sum keeps to the tolerance
-SHARE: Final = 0.1
+SHARE: Final = 0.125
 #: an error of a step below this is rounding
 LEAST_SHARE: Final = 1e-16
 #: smallest step relative to the communication step, and that below which the state has to move
 RESOLUTION: Final = 1e-22
 SHORT: Final = 1e-14
-#: part of the communication step in which a motion that counts has to show
-SPAN: Final = 1e-3
 #: steps after which one in REJECTS rejected is a reason to try stiff ones; then twice as many
 FIRST_TRIAL: Final = 60
 REJECTS: Final = 8
+#: steps after which rest up to rounding is a reason; then half as many again
+FIRST_CALM: Final = 8
+#: one step less than those after which rounding is looked at, for it may be all that limits them
+LOOK: Final = 31
 LARGEST: Final = 1e300
 
 
@@ -62,9 +65,11 @@ class Adaptive(Method):
         #: logarithm of the last accepted error in units of the tolerance
         self.log_error: float = 0.0
         self.stiff = Stiff()
+        self.rounding = Rounding()
         self.elapsed = Elapsed()
         self.kept = Collocation()
         self.kept_stiff: float = 0.0
+        self.kept_rounding = Rounding()
         self.kept_wished: float = 0.0
         self.kept_log_error: float = 0.0
 
@@ -74,25 +79,35 @@ class Adaptive(Method):
         self.wished = 0.0
         self.log_error = 0.0
         self.stiff.wished = 0.0
+        self.rounding.forget()
 
     def keep(self) -> None:
         self.kept.take(self.collocation)
         self.kept_wished = self.wished
         self.kept_log_error = self.log_error
         self.kept_stiff = self.stiff.wished
+        self.kept_rounding.take(self.rounding)
 
     def undo(self) -> None:
         self.collocation.take(self.kept)
         self.wished = self.kept_wished
         self.log_error = self.kept_log_error
         self.stiff.wished = self.kept_stiff
+        self.rounding.take(self.kept_rounding)
 
     def get_state(self) -> list[float]:
-        return [self.wished, self.log_error, self.stiff.wished, *self.collocation.get_state()]
+        return [
+            self.wished,
+            self.log_error,
+            self.stiff.wished,
+            *self.rounding.get_state(),
+            *self.collocation.get_state(),
+        ]
 
     def set_state(self, state: list[float]) -> None:
         self.wished, self.log_error, self.stiff.wished = state[:3]
-        self.collocation.set_state(state[3:])
+        self.rounding.set_state(state[3:7])
+        self.collocation.set_state(state[7:])
 
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
@@ -101,7 +116,8 @@ class Adaptive(Method):
         self.collocation.sweeps = 0
         self.stiff.begin()
         outcome = self.reach(model, duration, tolerance, max_steps)
-        self.evaluations += 7 * self.collocation.sweeps + self.stiff.evaluations
+        self.evaluations += 7 * self.collocation.sweeps
+        self.evaluations += self.stiff.evaluations + self.rounding.evaluations
         self.steps += self.stiff.steps
         if outcome != DONE:
             self.undo()
@@ -110,15 +126,17 @@ class Adaptive(Method):
     def reach(self, model: Model, duration: float, tolerance: float, max_steps: int) -> int:
         """The steps of advance()."""
         collocation = self.collocation
+        rounding = self.rounding
+        rounding.begin()
         settles = model.settles
         share = max(SHARE * tolerance / model.magnification, LEAST_SHARE)
         least = duration * SHORT
-        collocation.span = SPAN * duration
         a0, a1 = model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
         self.evaluations += 1
         if not math.fabs(a0) + math.fabs(a1) <= LARGEST:
             self.reached = self.wished
             return NOT_FINITE
+        rounding.follow(model, a0, a1)
         if self.wished <= 0.0:
             self.wished = first_step(model, a0, a1, duration, share)
         elapsed = self.elapsed
@@ -127,17 +145,24 @@ class Adaptive(Method):
         rejected = False
         tries = rejections = since = 0
         trial = FIRST_TRIAL
+        calm = FIRST_CALM
         if stiff.pays(self.wished, duration):
             trial = 0
         while tries + stiff.tries < max_steps:
-            if tries >= trial:
+            if tries >= trial or (tries >= calm and collocation.noisy and rounding.hides(a0, a1)):
                 if (
                     trial == 0
                     or REJECTS * rejections >= tries - since
-                    or is_stiff(model, elapsed.t, self.wished, a0, a1, share)
+                    or is_stiff(model, rounding, elapsed.t, self.wished, a0, a1)
                 ):
                     outcome = stiff.go_on(
-                        model, elapsed, duration, self.wished, share, max_steps - tries
+                        model,
+                        rounding,
+                        elapsed,
+                        duration,
+                        self.wished,
+                        share,
+                        max_steps - tries,
                     )
                     # what comes next has nothing to extrapolate from
                     collocation.h = 0.0
@@ -151,8 +176,11 @@ class Adaptive(Method):
                     self.evaluations += 1
                 since = tries
                 trial = max(FIRST_TRIAL, 2 * tries)
+                calm = tries + max(FIRST_CALM, tries // 2)
                 rejections = 0
             tries += 1
+            if tries & LOOK == 0:
+                collocation.noisy = True
             t = elapsed.t
             wished = self.wished
             remaining = elapsed.left(duration)
@@ -163,7 +191,7 @@ class Adaptive(Method):
             elif 2.0 * h > remaining:
                 h = 0.5 * remaining
             try:
-                error = collocation.step(model, t, h, a0, a1, share) / share
+                error = collocation.step(model, rounding, t, h, a0, a1, share) / share
             except (ArithmeticError, ValueError):
                 # a stage left the model's domain or the finite numbers: far too large a step
                 error = math.inf
@@ -179,6 +207,7 @@ class Adaptive(Method):
                 rejected = False
                 if settles:
                     model.settle(h)
+                rounding.follow(model, collocation.a7, collocation.b7)
                 if ends:
                     return DONE
                 elapsed.add(h)
@@ -190,6 +219,7 @@ class Adaptive(Method):
                     a0 = collocation.a7
                     a1 = collocation.b7
             else:
+                collocation.noisy = rejected
                 rejected = True
                 rejections += 1
                 if error <= LARGEST:
@@ -213,10 +243,17 @@ def stands(model: Model, h: float, a0: float, a1: float) -> bool:
 
 
 def first_step(model: Model, a0: float, a1: float, duration: float, tolerance: float) -> float:
-    """A cautious first step (s) from the relative rates at the start."""
-    rate = max(math.fabs(model.v0) / model.q0_scale, math.fabs(model.v1) / model.q1_scale)
-    curvature = max(math.fabs(a0) / model.q0_scale, math.fabs(a1) / model.q1_scale)
-    rate += math.sqrt(curvature)
-    if rate * duration <= tolerance:
-        return duration
-    return min(duration, 0.5 * math.exp(PRESENT * math.log(tolerance)) / rate)
+    """A cautious first step (s): a part of the time in which the acceleration changes.
+
+    That is known at the start, and where the start leads to.
+    """
+    part = 0.5 * math.exp(PRESENT * math.log(tolerance))
+    q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+    h = min(duration, part * usual(model, 0.0, q0, q1, v0, v1))
+    for _ in range(2):
+        u0 = v0 + h * a0
+        u1 = v1 + h * a1
+        x0 = q0 + 0.5 * h * (v0 + u0)
+        x1 = q1 + 0.5 * h * (v1 + u1)
+        h = min(h, part * usual(model, h, x0, x1, u0, u1))
+    return h

@@ -19,6 +19,7 @@ from typing import Final
 
 from ..models.base import Model
 from .polynomial import C1, C2, C3, C4, C5, C6, extrapolated, tail
+from .rounding import NEGLIGIBLE, Rounding
 
 __all__ = ["Collocation"]
 
@@ -146,13 +147,11 @@ FASTEST: Final = 0.003
 PRESUMED: Final = 0.1
 #: changes below this, relative, are rounding
 ROUNDING: Final = 5e-16
-EPSILON: Final = 2.220446049250313e-16
-#: roundings of the model's load that an acceleration can be wrong by
-CANCELLED: Final = 4.0
+#: how far changes and tails can be above the rounding of the accelerations
+SPREAD: Final = 4.0
 TINY: Final = 1e-300
-#: a rate that moves its coordinate by less than this part of it within the step (or span, if that
-#: is longer) counts as rest
-RESTING: Final = 1e-6
+#: part of the tolerance to which an error has to come up for rounding to be forgotten
+BELOW: Final = 0.01
 #: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here
 LARGEST: Final = 1e300
 
@@ -181,8 +180,8 @@ class Collocation:
         self.h: float = 0.0
         #: factor by which its last sweep reduced the change
         self.contraction: float = SLOWEST
-        #: s, time in which a motion that counts has to show, set by the caller
-        self.span: float = 0.0
+        #: whether to look closely at rounding in the next step, for it may be all that there is
+        self.noisy: bool = False
         #: sweeps made, for the caller to count
         self.sweeps: int = 0
 
@@ -194,6 +193,7 @@ class Collocation:
         self.b4, self.b5, self.b6, self.b7 = other.b4, other.b5, other.b6, other.b7
         self.h = other.h
         self.contraction = other.contraction
+        self.noisy = other.noisy
 
     # fmt: off
     def get_state(self) -> list[float]:
@@ -201,7 +201,7 @@ class Collocation:
         return [
             self.a0, self.a1, self.a2, self.a3, self.a4, self.a5, self.a6, self.a7,
             self.b0, self.b1, self.b2, self.b3, self.b4, self.b5, self.b6, self.b7,
-            self.h, self.contraction,
+            self.h, self.contraction, 1.0 if self.noisy else 0.0,
         ]
     # fmt: on
 
@@ -211,11 +211,13 @@ class Collocation:
         self.a4, self.a5, self.a6, self.a7 = state[4:8]
         self.b0, self.b1, self.b2, self.b3 = state[8:12]
         self.b4, self.b5, self.b6, self.b7 = state[12:16]
-        self.h, self.contraction = state[16:]
+        self.h, self.contraction, noisy = state[16:]
+        self.noisy = noisy != 0.0
 
     # fmt: off
     def step(
-        self, model: Model, t: float, h: float, a0: float, b0: float, tolerance: float
+        self, model: Model, rounding: Rounding, t: float, h: float, a0: float, b0: float,
+        tolerance: float,
     ) -> float:
         """Try a step of h s from time t (s), where the acceleration is (a0, b0).
 
@@ -245,18 +247,13 @@ class Collocation:
         y7, u7 = end(q0, v0, h, a0, a1, a2, a3, a4, a5, a6, a7)
         if two:
             x7, w7 = end(q1, v1, h, b0, b1, b2, b3, b4, b5, b6, b7)
-        # sizes of the rates, each for itself as far as the model's coupling says
-        scale0 = max(math.fabs(v0), math.fabs(u7)) + h * math.fabs(a0)
-        scale1 = max(math.fabs(v1), math.fabs(w7)) + h * math.fabs(b0)
-        per = model.q0_scale / model.q1_scale
-        period = max(h, self.span)
-        rest0 = RESTING * max(math.fabs(q0), RESTING * model.q0_scale) / period
-        rest1 = RESTING * max(math.fabs(q1), RESTING * model.q1_scale) / period
-        rest0 = max(rest0, model.coupling * per * scale1)
-        rest1 = max(rest1, model.coupling * scale0 / per)
-        scale0 = 1.0 / max(scale0, rest0)
-        scale1 = 1.0 / max(scale1, rest1)
-        cancelled = CANCELLED * EPSILON * model.load
+        scale0 = scale1 = 0.0
+        known = self.noisy
+        noise0 = noise1 = 0.0
+        if known:
+            rounding.look_closely(model, t, a0, b0)
+            noise0 = rounding.noise0
+            noise1 = rounding.noise1
         contraction = self.contraction
         change = 0.0
         error = 0.0
@@ -349,6 +346,12 @@ class Collocation:
                 two = two or b5 != 0.0 or b6 != 0.0 or b7 != 0.0
                 if two:
                     continue
+            if scale0 == 0.0:
+                # sizes of the rates, each coordinate for itself
+                scale0 = max(math.fabs(v0), math.fabs(u7)) + h * max(math.fabs(a0), math.fabs(a7))
+                scale0 = 1.0 / max(scale0, NEGLIGIBLE * rounding.size0 / h, TINY)
+                scale1 = max(math.fabs(v1), math.fabs(w7)) + h * max(math.fabs(b0), math.fabs(b7))
+                scale1 = 1.0 / max(scale1, NEGLIGIBLE * rounding.size1 / h, TINY)
             before = change
             change = max(math.fabs(u7 - last0) * scale0, math.fabs(w7 - last1) * scale1)
             left = change * max(contraction, PRESUMED)
@@ -363,28 +366,33 @@ class Collocation:
             done = left <= max(tolerance, ROUNDING)
             if not done:
                 if sweep > 1 and contraction > SLOWEST:
-                    # what the rounding of the coordinates makes of the accelerations
-                    noise = math.fabs(a7 - a0) * scale0 + math.fabs(b7 - b0) * scale1
-                    noise *= EPSILON * h * max(
-                        math.fabs(q0) / (math.fabs(y7 - q0) + TINY),
-                        math.fabs(q1) / (math.fabs(x7 - q1) + TINY),
-                    )
-                    noise += h * cancelled * (scale0 + scale1)
-                    if not change <= noise:
+                    if not known:
+                        known = True
+                        rounding.find(model, t, a0, b0)
+                        noise0 = rounding.noise0
+                        noise1 = rounding.noise1
+                    if not change <= h * (noise0 * scale0 + noise1 * scale1):
                         return math.inf
                     done = True
                 elif sweep != 1:
                     continue
             # known well enough after two sweeps to spare the further ones of too large a step
-            error = tail(a0, a1, a2, a3, a4, a5, a6, a7) * scale0
+            error = h * tail(a0, a1, a2, a3, a4, a5, a6, a7, noise0) * scale0
             if two:
-                error += tail(b0, b1, b2, b3, b4, b5, b6, b7) * scale1
-            # less what cancelled forces leave, which shorter steps have too
-            error = h * (error - cancelled * (scale0 + scale1))
-            if error < 0.0:
-                error = 0.0
+                error = max(error, h * tail(b0, b1, b2, b3, b4, b5, b6, b7, noise1) * scale1)
             if not error <= tolerance:
-                return error
+                if known:
+                    return error
+                known = True
+                # less what is rounding, which shorter steps have too
+                rounding.find(model, t, a0, b0)
+                noise0 = rounding.noise0
+                noise1 = rounding.noise1
+                error = h * tail(a0, a1, a2, a3, a4, a5, a6, a7, noise0) * scale0
+                if two:
+                    error = max(error, h * tail(b0, b1, b2, b3, b4, b5, b6, b7, noise1) * scale1)
+                if not error <= tolerance:
+                    return error
             if done:
                 if not model.works:
                     break
@@ -406,19 +414,36 @@ class Collocation:
         self.b4, self.b5, self.b6, self.b7 = b4, b5, b6, b7
         self.h = h
         self.contraction = contraction
+        if known:
+            self.noisy = error <= BELOW * tolerance
         return error
 
 
-# fmt: off
 def end(
-    q: float, v: float, h: float,
-    k0: float, k1: float, k2: float, k3: float, k4: float, k5: float, k6: float, k7: float,
+    q: float,
+    v: float,
+    h: float,
+    k0: float,
+    k1: float,
+    k2: float,
+    k3: float,
+    k4: float,
+    k5: float,
+    k6: float,
+    k7: float,
 ) -> tuple[float, float]:
     """Q_7, V_7, the end of the step, of one coordinate with the accelerations k0 ... k7."""
     hh = h * h
-    x = q + (h * v + hh * (((R70 * k0 + R71 * k1) + (R72 * k2 + R73 * k3)) + ((R74 * k4 + R75 * k5)
-        + R76 * k6)))
-    w = v + h * (((A77 * k7 + A70 * k0) + (A71 * k1 + A72 * k2)) + ((A73 * k3 + A74 * k4)
-        + (A75 * k5 + A76 * k6)))
+    x = q + (
+        h * v
+        + hh
+        * (((R70 * k0 + R71 * k1) + (R72 * k2 + R73 * k3)) + ((R74 * k4 + R75 * k5) + R76 * k6))
+    )
+    w = v + h * (
+        ((A77 * k7 + A70 * k0) + (A71 * k1 + A72 * k2))
+        + ((A73 * k3 + A74 * k4) + (A75 * k5 + A76 * k6))
+    )
     return x, w
+
+
 # fmt: on

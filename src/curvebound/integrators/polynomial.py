@@ -111,6 +111,7 @@ def extrapolated(
 
 def tail(
     k0: float, k1: float, k2: float, k3: float, k4: float, k5: float, k6: float, k7: float,
+    noise: float,
 ) -> float:
     """An estimate of the error of the mean value over the step by quadrature at the points.
 
@@ -118,12 +119,17 @@ def tail(
     fall off geometrically, its error relative to the spread of the values is of the order of the
     square of the polynomial's, which the highest coefficients measure. That of degree 6 stands in
     where the other passes through zero. Values that are not smooth have highest coefficients as
-    large as their spread and thus an estimate as large as that.
+    large as their spread and thus an estimate as large as that. Coefficients up to `noise` are
+    rounding.
     """
-    high = H0 * (k7 - k0) + H1 * (k6 - k1) + H2 * (k5 - k2) + H3 * (k4 - k3)
-    low = F0 * (k7 + k0) + F1 * (k6 + k1) + F2 * (k5 + k2) + F3 * (k4 + k3)
+    high = math.fabs(H0 * (k7 - k0) + H1 * (k6 - k1) + H2 * (k5 - k2) + H3 * (k4 - k3)) - noise
+    low = math.fabs(F0 * (k7 + k0) + F1 * (k6 + k1) + F2 * (k5 + k2) + F3 * (k4 + k3)) - noise
+    if high < 0.0:
+        high = 0.0
+    if low < 0.0:
+        low = 0.0
     spread = math.fabs(k7 - k0) + math.fabs(k5 - k2) + math.fabs((k7 + k0) - (k4 + k3))
-    spread = max(spread, math.fabs(high) + math.fabs(low))
+    spread = max(spread, high + low)
     if spread == 0.0:
         return 0.0
     return (HIGHEST * (high * high) + NEXT * (low * low)) / spread

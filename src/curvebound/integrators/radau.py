@@ -18,6 +18,7 @@ from typing import Final
 from ..models.base import Model
 from .elimination import factorised, substitute
 from .radau_tables import HIGHEST, NEXT, NODES, STAGES, A, B
+from .rounding import NEGLIGIBLE, Rounding
 
 __all__ = ["Radau"]
 
@@ -32,8 +33,7 @@ SPREAD: Final = 8.0
 SLOW: Final = 0.05
 MOST_ITERATIONS: Final = 15
 LARGEST: Final = 1e300
-#: a rate that moves its coordinate by less than this part of it within the step counts as rest
-RESTING: Final = 1e-4
+TINY: Final = 1e-300
 
 
 class Radau:
@@ -61,7 +61,7 @@ class Radau:
         self.noise0: float = 0.0
         self.noise1: float = 0.0
 
-    def step(self, model: Model, t: float, h: float, bound: float) -> float:
+    def step(self, model: Model, rounding: Rounding, t: float, h: float, bound: float) -> float:
         """Try a step of h s from time t.
 
         Returns the size of the polynomial's tail relative to the rates: up to `bound` the model's
@@ -69,20 +69,16 @@ class Radau:
         """
         a = self.a
         b = self.b
-        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        v0, v1 = model.v0, model.v1
         for i in range(STAGES):
             a[i] = b[i] = 0.0
-        if not self.solve(model, t, h):
+        if not self.solve(model, rounding, t, h):
             return math.inf
         w0 = self.w0
         w1 = self.w1
-        # sizes of the rates: what they are, become, or move the coordinates by in rounding
-        c0 = model.q0_scale
-        c1 = model.q1_scale
-        s0 = max(math.fabs(v0), math.fabs(w0[STAGES - 1]))
-        s1 = max(math.fabs(v1), math.fabs(w1[STAGES - 1]))
-        s0 += RESTING * max(math.fabs(q0), 1e-6 * c0) / h
-        s1 += RESTING * max(math.fabs(q1), 1e-6 * c1) / h
+        # sizes of the rates: what they are or become
+        s0 = max(math.fabs(v0), math.fabs(w0[STAGES - 1]), NEGLIGIBLE * rounding.size0 / h, TINY)
+        s1 = max(math.fabs(v1), math.fabs(w1[STAGES - 1]), NEGLIGIBLE * rounding.size1 / h, TINY)
         high0 = next0 = high1 = next1 = 0.0
         for i in range(STAGES):
             high0 += HIGHEST[i] * a[i]
@@ -92,9 +88,7 @@ class Radau:
         # as far as it is no rounding, whose size tells nothing of shorter steps
         tail0 = h * max(0.0, max(math.fabs(high0), math.fabs(next0)) - self.noise0)
         tail1 = h * max(0.0, max(math.fabs(high1), math.fabs(next1)) - self.noise1)
-        rest0 = model.coupling * s1 * c0 / c1
-        rest1 = model.coupling * s0 * c1 / c0
-        size = max(tail0 / max(s0, rest0), tail1 / max(s1, rest1))
+        size = max(tail0 / s0, tail1 / s1)
         if not size <= bound:
             return size if size <= LARGEST else math.inf
         if model.works:
@@ -134,7 +128,7 @@ class Radau:
             self.x0[i] = q0 + (ch * v0 + hh * z0)
             self.x1[i] = q1 + (ch * v1 + hh * z1)
 
-    def solve(self, model: Model, t: float, h: float) -> bool:
+    def solve(self, model: Model, rounding: Rounding, t: float, h: float) -> bool:
         """Newton's method for the accelerations; leaves the stages that belong to them."""
         a = self.a
         b = self.b
@@ -144,8 +138,8 @@ class Radau:
         least = math.inf
         stalls = 0
         # corrections are measured by what moves the rates by as much as they are
-        unit0 = max(math.fabs(model.v0), 1e-9 * model.q0_scale / h) / h
-        unit1 = max(math.fabs(model.v1), 1e-9 * model.q1_scale / h) / h
+        unit0 = math.fabs(model.v0) / h
+        unit1 = math.fabs(model.v1) / h
         for _ in range(MOST_ITERATIONS):
             self.place(model, h)
             left0 = left1 = 0.0
@@ -160,6 +154,12 @@ class Radau:
                 r[i] = f0
                 r[STAGES + i] = f1
             self.evaluations += STAGES
+            if unit0 == 0.0 or unit1 == 0.0:
+                # from rest: by the accelerations
+                unit0 = unit0 or left0
+                unit1 = unit1 or left1
+                unit0 = unit0 or unit1 or 1.0
+                unit1 = unit1 or unit0
             if not fresh:
                 if not self.factorise(model, t, h, unit0, unit1):
                     return False
@@ -181,7 +181,8 @@ class Radau:
             if size > 0.5 * least:
                 stalls += 1
                 if stalls >= 2:
-                    self.round_off(model)
+                    self.look(model, rounding, t)
+                    self.round_off(rounding)
                     if size <= NOISE or (left0 <= self.noise0 and left1 <= self.noise1):
                         break
                     if stalls >= 5:
@@ -193,22 +194,30 @@ class Radau:
         else:
             return False
         self.place(model, h)
-        self.round_off(model)
+        self.round_off(rounding)
         return True
 
-    def round_off(self, model: Model) -> None:
+    def look(self, model: Model, rounding: Rounding, t: float) -> None:
+        """Look closely at rounding where the step begins."""
+        a0, a1 = model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+        self.evaluations += 1
+        rounding.look(model, t, a0, a1)
+
+    def round_off(self, rounding: Rounding) -> None:
         """Find what rounding makes of the accelerations of the present stages."""
-        x0 = x1 = w0 = w1 = 0.0
+        x0 = rounding.size0
+        x1 = rounding.size1
+        w0 = w1 = 0.0
         for i in range(STAGES):
             x0 = max(x0, math.fabs(self.x0[i]))
             x1 = max(x1, math.fabs(self.x1[i]))
             w0 = max(w0, math.fabs(self.w0[i]))
             w1 = max(w1, math.fabs(self.w1[i]))
         s = self.slopes
-        noise0 = (s[0] * x0 + s[1] * x1) + (s[2] * w0 + s[3] * w1) + model.load
-        noise1 = (s[4] * x0 + s[5] * x1) + (s[6] * w0 + s[7] * w1) + model.load
-        self.noise0 = SPREAD * EPSILON * noise0
-        self.noise1 = SPREAD * EPSILON * noise1
+        noise0 = (s[0] * x0 + s[1] * x1) + (s[2] * w0 + s[3] * w1)
+        noise1 = (s[4] * x0 + s[5] * x1) + (s[6] * w0 + s[7] * w1)
+        self.noise0 = max(SPREAD * EPSILON * noise0, rounding.scatter0)
+        self.noise1 = max(SPREAD * EPSILON * noise1, rounding.scatter1)
 
     def factorise(self, model: Model, t: float, h: float, unit0: float, unit1: float) -> bool:
         """The Newton matrix I - h^2 B dK/dq - h A dK/dv, in the units, and its triangles."""

@@ -14,6 +14,7 @@ from .base import DONE, STEP_TOO_SMALL, TOO_MANY_STEPS
 from .elapsed import Elapsed
 from .radau import Radau
 from .radau_tables import STAGES
+from .rounding import NEGLIGIBLE, Rounding
 
 __all__ = ["Stiff", "is_stiff"]
 
@@ -57,6 +58,7 @@ class Stiff:
     def go_on(
         self,
         model: Model,
+        rounding: Rounding,
         elapsed: Elapsed,
         duration: float,
         short: float,
@@ -89,11 +91,15 @@ class Stiff:
                 h = 0.5 * left
             radau.evaluations = 0
             try:
-                size = radau.step(model, elapsed.t, h, bound)
+                if rejected > 0:
+                    radau.look(model, rounding, elapsed.t)
+                size = radau.step(model, rounding, elapsed.t, h, bound)
             except (ArithmeticError, ValueError, NotImplementedError):
                 size = math.inf
             self.evaluations += radau.evaluations
-            if h < GAIN * max(short, usual(model, elapsed.t)):
+            if h < GAIN * max(
+                short, usual(model, elapsed.t, model.q0, model.q1, model.v0, model.v1)
+            ):
                 slow += 1
             else:
                 slow = rejected = 0
@@ -101,6 +107,7 @@ class Stiff:
                 self.steps += 1
                 if settles:
                     model.settle(h)
+                rounding.follow(model, radau.a[STAGES - 1], radau.b[STAGES - 1])
                 after = h * min(MOST_GROWTH, max(0.5, growth(size / bound)))
                 if ends:
                     # a step that the end cut short may only grow
@@ -119,36 +126,41 @@ class Stiff:
         return DONE
 
 
-def usual(model: Model, t: float) -> float:
-    """About the step (s) that the sweeps could make at the present state, as far as stiffness goes.
+def usual(model: Model, t: float, q0: float, q1: float, v0: float, v1: float) -> float:
+    """About the step (s) that the sweeps could make at this state, as far as stiffness goes.
 
-    It is what the step at the start of a stretch was only while that lasts.
+    It is what the step at the start of a stretch was only while that lasts. Without a Jacobian
+    there is no limit known.
     """
     try:
-        j = model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
+        j = model.jacobian(t, q0, q1, v0, v1)
     except (ArithmeticError, ValueError, NotImplementedError):
-        return 0.0
+        return LARGEST
     rate = math.fabs(j[4] + j[7]) + math.sqrt(math.fabs(j[0]) + math.fabs(j[3]))
-    return 1.0 / rate if rate > 0.0 else LARGEST
+    return 1.0 / rate if rate * LARGEST > 1.0 else LARGEST
 
 
-def is_stiff(model: Model, t: float, h: float, a0: float, a1: float, share: float) -> bool:
+def is_stiff(model: Model, rounding: Rounding, t: float, h: float, a0: float, a1: float) -> bool:
     """Whether damping, not the motion with its acceleration (a0, a1), keeps steps to h s.
 
-    What damping has yet to stop is no motion where it is less than the error `share`. Both
-    coordinates are taken together; where that errs it costs a trial.
+    Rest up to rounding is no motion. Where this errs it costs a trial.
     """
+    v0 = math.fabs(model.v0)
+    v1 = math.fabs(model.v1)
     try:
         j = model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
     except (ArithmeticError, ValueError, NotImplementedError):
         return False
     damping = -(j[4] + j[7])
-    change = math.fabs(a0) / model.q0_scale + math.fabs(a1) / model.q1_scale
-    rate = math.fabs(model.v0) / model.q0_scale + math.fabs(model.v1) / model.q1_scale
-    if change <= share * damping * damping:
-        # whatever h is: what is left is rounding, to which other steps shrink
+    rounding.look_closely(model, t, a0, a1)
+    still = NEGLIGIBLE * damping * damping
+    change0 = math.fabs(a0) - max(rounding.noise0, still * rounding.size0)
+    change1 = math.fabs(a1) - max(rounding.noise1, still * rounding.size1)
+    if change0 <= 0.0 and change1 <= 0.0:
+        # whatever h is: other steps shrink to what is left
         return damping > 0.0
-    return 2.0 * h * damping >= 1.0 and 4.0 * change <= damping * rate
+    slow = 4.0 * change0 <= damping * v0 and 4.0 * change1 <= damping * v1
+    return slow and 2.0 * h * damping >= 1.0
 
 
 def growth(error: float) -> float:
