@@ -83,6 +83,8 @@ def test_two_bodies_in_one_result() -> None:
 def test_what_is_missing_is_said() -> None:
     said = actors.missing(table({"time": [0.0], "bead.x": [1.0]}), KNOWN)
     assert "bead.x and bead.y or bead.angle; bead.y missing" in said
+    # of what is not there at all nothing in particular is missing
+    assert "missing" not in actors.missing(table({"time": [0.0], "engine.speed": [1.0]}), KNOWN)
     assert "slider.u" in said
     assert find_actors(table({"time": [0.0], "bead.x": [1.0]})) == []
 
