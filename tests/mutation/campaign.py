@@ -179,8 +179,8 @@ def main() -> None:
                         "twice for what runs in FMUs")  # fmt: skip
     parser.add_argument("--contexts", type=Path, default=ROOT / "build" / "mutation",
                         help="where to keep what the tests run (build/mutation)")  # fmt: skip
-    parser.add_argument("--tests", nargs="+", default=["tests/"], metavar="PATH",
-                        help="collect only tests whose names begin so (all)")  # fmt: skip
+    parser.add_argument("--tests", nargs="*", default=["tests"], metavar="PATH",
+                        help="where to look for new tests (tests); none: nowhere")  # fmt: skip
     chosen = parser.parse_args()
 
     scratch = Path(tempfile.mkdtemp(prefix="curvebound-mutation-"))
@@ -196,7 +196,7 @@ def campaign(chosen: argparse.Namespace, scratch: Path) -> None:
     folder = chosen.contexts.resolve()
     cache = folder / "cache"
     contexts = Contexts(folder, copy, cache)
-    contexts.collect(within=tuple(chosen.tests))
+    contexts.collect(chosen.tests)
     trial = Trial(copy, cache, contexts, chosen.budget)
     for module in ELSEWHERE:
         with contextlib.suppress(ImportError):

@@ -51,15 +51,15 @@ class Contexts:
         folder.mkdir(parents=True, exist_ok=True)
         self._data: dict[str, dict[int, list[str]]] = {}
 
-    def collect(self, within: tuple[str, ...]) -> None:
-        """Run those tests that are not known yet whose names begin with one of `within`.
+    def collect(self, paths: list[str]) -> None:
+        """Run the tests in `paths` that are not known yet; forget those that are gone from there.
 
         Raises CalledProcessError where the tests cannot be collected.
         """
         notes = self.folder / "tests.json"
         kept = json.loads(notes.read_text(encoding="utf-8")) if notes.is_file() else {}
-        there = self._there()
-        new = [t for t in there if t not in kept.get("seconds", {}) and t.startswith(within)]
+        there = self._there(paths) if paths else []
+        new = [test for test in there if test not in kept.get("seconds", {})]
         if new:
             print(f"{len(new)} of {len(there)} tests are not known yet: running them", flush=True)
             found = self._run(new)
@@ -67,15 +67,17 @@ class Contexts:
                 kept.setdefault(key, {}).update(value)
             kept["hashes"] = {**self._hashes(), **kept.get("hashes", {})}
             notes.write_text(json.dumps(kept), encoding="utf-8")
-        here = set(there)
+        inside = tuple(paths)
+        here = {t for t in kept["seconds"] if not (inside and t.startswith(inside))} | set(there)
         self.seconds = {t: s for t, s in kept["seconds"].items() if t in here}
         self.fmus = {t for t in kept["fmus"] if t in here}
         self.browser = {t for t in kept["browser"] if t in here}
         self.hashes = kept["hashes"]
         self._read()
 
-    def _there(self) -> list[str]:
-        command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider"]
+    def _there(self, paths: list[str]) -> list[str]:
+        command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider",
+                   *paths]  # fmt: skip
         done = subprocess.run(
             command, cwd=self.copy, env=self.environment, capture_output=True, text=True, check=True
         )
