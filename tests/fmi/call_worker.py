@@ -59,8 +59,6 @@ class Driver:
             return status, None
         if name == "outputs":
             status = read("getReal", instance._reals)
-            if status == OK and instance._counts:
-                status = read("getInteger", instance._counts)
             return status, [x for some in values for x in some]
         if name == "get":
             v = instance.fmu.variables[arguments[0]]

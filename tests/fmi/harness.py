@@ -45,14 +45,14 @@ class Extracted:
         reals = [v for v in self.variables.values() if v.type == "Real"]
         self.inputs = [v.name for v in reals if v.causality == "input"]
         self.outputs = [v.name for v in reals if v.causality == "output"]
-        self.counts = [
-            v.name
-            for v in self.variables.values()
-            if v.type == "Integer" and v.causality == "output"
-        ]
-        #: whether a forwarding library turns every failure into fmi2Error
-        library = self.folder / "binaries" / "linux64" / "pythonfmu-export.so"
-        self.forwarded = sys.platform == "linux" and library.is_file()
+        #: whether a binary of this project turns every failure into fmi2Error
+        own = (
+            self.folder
+            / "binaries"
+            / ("win64" if sys.platform == "win32" else "linux64")
+            / "guid.txt"
+        )
+        self.forwarded = own.is_file()
 
         self._loaded: FMU2Slave | None = None
 
@@ -97,7 +97,6 @@ class Instance:
         self.slave = fmu.slave(name)
         self.slave.instantiate(callbacks=callbacks, loggingOn=logging)
         self._reals = [fmu.variables[n].valueReference for n in fmu.outputs]
-        self._counts = [fmu.variables[n].valueReference for n in fmu.counts]
 
     def _log(
         self, _: object, name: bytes, status: int, category: bytes, text: bytes, first: int | None
@@ -147,8 +146,7 @@ class Instance:
 
     def bits(self) -> bytes:
         """All outputs, bit for bit."""
-        counts = self.slave.getInteger(self._counts) if self._counts else []
-        return array.array("d", self.reals()).tobytes() + array.array("q", counts).tobytes()
+        return array.array("d", self.reals()).tobytes()
 
     # -- life cycle --------------------------------------------------------------------------------
     def start(
@@ -209,7 +207,7 @@ class Instance:
         return data
 
     def inner_state(self) -> bytes:
-        """What the FMU's own code saves, without what a forwarding library adds to it."""
+        """What the FMU's own code saves, without what the binary adds to it."""
         data = self.serialized()
         return data[data.index(b'{"guid"') :]
 

@@ -108,8 +108,8 @@ _PLANT = (
     _parameter("solver.step", "s", 1e-3, POSITIVE),
     _parameter("solver.tolerance", "1", 1e-6, POSITIVE),
     Row("solver.max_steps", "parameter", "Integer", None, 1000000, POSITIVE),
-    Row("solver.steps", "output", "Integer", None, None),
-    Row("solver.evaluations", "output", "Integer", None, None),
+    Row("solver.steps", "output", "Real", "1", None),
+    Row("solver.evaluations", "output", "Real", "1", None),
     *_outputs("J", "energy.kinetic", "energy.potential", "energy.total", "energy.residual"),
 )
 

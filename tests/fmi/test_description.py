@@ -80,7 +80,7 @@ def test_variable(variables, name: str, row: Row) -> None:
         assert variable.get("initial") == "calculated"
         # importers refuse continuous Integers
         assert variable.get("variability") == (
-            "discrete" if row.type == "Integer" else "continuous"
+            "discrete" if row.name.startswith("solver.") else "continuous"
         )
     if row.type == "Real" and row.causality == "parameter":
         least = kind.get("min")

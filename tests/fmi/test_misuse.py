@@ -105,6 +105,9 @@ def test_unknown_value_references(extracted, name: str) -> None:
         before, refused, after, outputs = outcomes[-4:]
         assert len(refused["errors"]) == 1, call
         assert f"value reference {call[1][0]} " in refused["errors"][0]
+        if call[1][0] < size:
+            own = next(v for v in variables.values() if v.valueReference == call[1][0])
+            assert f"{own.name} of type {own.type}, not {call[0][3:]}" in refused["errors"][0]
         assert not extracted[name].forwarded or refused["status"] == ERROR
         assert before["value"] == after["value"]
         assert_fine([outputs])

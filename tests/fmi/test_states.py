@@ -227,7 +227,7 @@ def refused(instance: Instance, data: bytes) -> str:
     status = instance.status("load")
     assert status >= ERROR or len(instance.errors) == before + 1
     if status == FATAL:
-        # without forwarding library
+        # without a binary of this project
         return "state"
     assert instance.bits() == bits
     assert len(instance.errors) == before + 1
@@ -261,7 +261,7 @@ def test_states_of_another_fmu_are_refused(instantiate) -> None:
 
 def test_states_of_another_library_are_refused(instantiate, extracted) -> None:
     if not extracted["BeadOnWire"].forwarded:
-        pytest.skip("without forwarding library a foreign pointer is followed")
+        pytest.skip("without a binary of this project a foreign pointer is followed")
     bead = instantiate("BeadOnWire").start()
     pendulum = instantiate("ParabolaPendulum").start()
     state = bead.slave.getFMUstate()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -16,7 +15,7 @@ from pathlib import Path
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from curvebound.fmi import forwarding
+from curvebound.fmi.binaries import compile_binary, why_not
 from curvebound.fmi.compile import compiler
 from curvebound.fmi.folder import names
 
@@ -194,8 +193,8 @@ def system_python(host: Host, bead: Unpacked) -> None:
 @pytest.fixture(scope="session")
 def built(fmu_folder: Path) -> dict[str, Path]:
     """The FMUs of this project, built."""
-    if forwarding.compile_forwarder() is None:
-        pytest.skip(forwarding.why_not())
+    if compile_binary() is None:
+        pytest.skip(why_not())
     return {name: fmu_folder / f"{name}.fmu" for name in names()}
 
 
@@ -234,14 +233,8 @@ def copy_of(tmp_path: Path) -> Callable[[Unpacked, str], Unpacked]:
 
 
 _ODD = '''
-import sys
-from threading import get_ident
-
 from pythonfmu import Fmi2Causality, Fmi2Slave, Integer, Real, String
 from pythonfmu.enums import Fmi2Status
-
-held = globals().setdefault("held", [])
-held.append(globals())  # PythonFMU's wrapper releases a reference to these that it does not own
 
 
 class Odd(Fmi2Slave):
@@ -255,9 +248,6 @@ class Odd(Fmi2Slave):
         self.register_variable(Integer("act", causality=Fmi2Causality.parameter))
         self.register_variable(Real("y", causality=Fmi2Causality.output))
         self.register_variable(String("text", causality=Fmi2Causality.parameter))
-        if HANDS_OVER:
-            methods = (self.do_step, self.get_real, self.set_real, self.log_queue)
-            sys.__dict__.setdefault("curvebound_handover", {})[get_ident()] = methods
 
     def perform(self, where):
         if self.act == 1:
@@ -285,24 +275,17 @@ class Odd(Fmi2Slave):
 '''
 
 
-@pytest.fixture(scope="session", params=[False, True], ids=["by_wrapper", "directly"])
-def hands_over(request: pytest.FixtureRequest) -> bool:
-    """Whether the odd FMU hands its methods to the forwarding library, as this project's do."""
-    return bool(request.param)
-
-
 @pytest.fixture(scope="session")
-def odd(hands_over: bool, tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
-    """A plain PythonFMU FMU behind the forwarding library, which fails as it is told."""
+def odd(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """A plain PythonFMU FMU with the binary of this project, which fails as it is told."""
     folder = tmp_path_factory.mktemp("odd")
-    library = forwarding.compile_forwarder()
+    library = compile_binary()
     if library is None:
-        pytest.skip(forwarding.why_not())
-    (folder / "odd_slave.py").write_text(f"{_ODD}\n\nHANDS_OVER = {hands_over}\n")
+        pytest.skip(why_not())
+    (folder / "odd_slave.py").write_text(_ODD)
     before = sys.path[:]
     archive = FmuBuilder.build_FMU(folder / "odd_slave.py", dest=folder)
     sys.path[:] = before
     fmu = unpacked(archive, folder / "unpacked")
-    os.rename(fmu.binary, fmu.binary.with_name("pythonfmu-export.so"))
     shutil.copy(library, fmu.binary)
     return fmu

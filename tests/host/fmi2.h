@@ -3,7 +3,8 @@
 #ifndef HOST_FMI2_H
 #define HOST_FMI2_H
 
-#include <dlfcn.h>
+#include "loading.h"
+
 #include <stddef.h>
 #include <stdio.h>
 

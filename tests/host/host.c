@@ -29,7 +29,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char *const NAMES[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
 
@@ -151,6 +150,15 @@ static void parallel(Fmu *f, int count, int steps, char *guid, char *uri, fmi2Va
 
 /* -- memory -- */
 
+#ifdef _WIN32
+#include <psapi.h>
+static double resident(void)
+{
+    PROCESS_MEMORY_COUNTERS counters = {0};
+    K32GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters);
+    return (double)counters.WorkingSetSize;
+}
+#else
 static double resident(void)
 {
     long pages = 0;
@@ -161,6 +169,7 @@ static double resident(void)
         fclose(file);
     return (double)pages * (double)sysconf(_SC_PAGESIZE);
 }
+#endif
 
 static void churn(Fmu *f, int count, char *guid, char *uri)
 {
@@ -214,7 +223,7 @@ static void misuse(Fmu *f, fmi2Component i)
 
 static void strange(Fmu *f)
 {
-    fmi2Component some[] = {NULL, (void *)1, (void *)~0ul, &some, (void *)0x7fffdeadbee5, f->library, NULL};
+    fmi2Component some[] = {NULL, (void *)1, (void *)~(uintptr_t)0, &some, (void *)0x7fffdeadbee5, f->library, NULL};
     fmi2ValueReference vr = 0;
     double real = 0;
     fmi2FMUstate state = NULL;
@@ -394,6 +403,7 @@ static void command(char **word, int n)
 int main(void)
 {
     static char line[65536];
+    prepare_streams();
     while (fgets(line, sizeof line, stdin)) {
         char *word[WORDS], *rest = NULL;
         int n = 0;

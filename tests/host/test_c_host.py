@@ -122,14 +122,14 @@ def test_the_environment_variable_comes_first(host, bead):
     if not libraries:
         pytest.skip("no libpython in the usual folders")
     for library in libraries:
-        environment = private_python({**PLAIN, "CURVEBOUND_LIBPYTHON": str(library)})
+        environment = private_python({**PLAIN, "CURVEBOUND_PYTHON": str(library)})
         result = host(whole_run(bead, bead.outputs(), 2), environment)
         assert os.path.realpath(loaded_python(result)) == os.path.realpath(library)
 
 
 def test_an_unusable_choice_is_passed_over(host, bead, tmp_path):
-    for choice in (tmp_path / "missing.so", bead.binary):
-        environment = {**PLAIN, "CURVEBOUND_LIBPYTHON": str(choice)}
+    for choice in (tmp_path / "missing.so", tmp_path / "missing", tmp_path, bead.binary):
+        environment = {**PLAIN, "CURVEBOUND_PYTHON": str(choice)}
         assert host(bead.start(), environment).answers[-1] == ["OK"]
 
 
@@ -142,7 +142,7 @@ def test_without_any_python_the_message_names_what_was_tried(host, bead, tmp_pat
     instance, status, _, text = result.messages[0]
     assert (instance, status) == ("i0", "Error")
     places = [
-        text.index(x) for x in ("CURVEBOUND_LIBPYTHON", "python3 on PATH", "libpython3.13.so.1.0")
+        text.index(x) for x in ("CURVEBOUND_PYTHON", "python3 on PATH", "libpython3.13.so.1.0")
     ]
     assert places == sorted(places)
     assert len(result.messages) == 2
@@ -172,17 +172,18 @@ def test_ten_thousand_instances_cost_little_memory(host, bead):
 
 
 def test_sys_path_does_not_grow(bead):
-    slave_of(bead).freeInstance()
     before = sys.path[:]
-    for _ in range(20):
-        slave_of(bead).freeInstance()
-    assert sys.path == before
     resources = str(bead.binary.parents[2] / "resources")
-    assert sys.path.count(resources) == 1
+    instances = [slave_of(bead) for _ in range(3)]
+    assert sys.path == [resources, *before]
+    for instance in instances:
+        instance.freeInstance()
+    assert sys.path == before
+    assert resources not in sys.path_importer_cache
 
 
 def test_the_binary_runs_on_older_systems(bead):
-    """It must not need a newer glibc than PythonFMU's own binary does, give or take."""
+    """It needs no glibc newer than of 2012, and no other library."""
     done = subprocess.run(
         ["objdump", "-T", bead.binary], capture_output=True, text=True, check=True
     )
@@ -192,7 +193,7 @@ def test_the_binary_runs_on_older_systems(bead):
         line.split()[-1] for line in done.stdout.splitlines() if " g " in line and ".text" in line
     }
     assert all(name.startswith("fmi2") for name in defined)
-    assert bead.binary.stat().st_size < 42_000
+    assert bead.binary.stat().st_size < 64_000
 
 
 # -- the same code and other code side by side

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from curvebound.fmi import forwarding
+from curvebound.fmi import binaries
 from curvebound.fmi.build import build
 
 from .conftest import PLAIN, Host, Unpacked, unpacked
@@ -59,10 +59,10 @@ def test_a_python_process_ends_cleanly(bead: Unpacked, poison: Path) -> None:
     run_python(bead, poison)
 
 
-def test_one_without_forwarding_library_ends_cleanly(
+def test_one_with_pythonfmus_binary_ends_cleanly(
     poison: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(forwarding, "compiler", lambda: None)
+    monkeypatch.setattr(binaries, "compiler", lambda: None)
     run_python(unpacked(build("BeadOnWire", tmp_path).path, tmp_path / "bead"), poison)
 
 
@@ -102,7 +102,7 @@ print((resident() - before) // 1000)
 
 
 def test_a_library_loaded_again_and_again_leaves_little(bead: Unpacked) -> None:
-    """A kilobyte or two is what PythonFMU's wrapper loses of each instance."""
+    """What is left is what ctypes and fmpy keep."""
     done = subprocess.run(
         [sys.executable, "-c", _LOADED_AGAIN, str(bead.folder), bead.guid, bead.identifier],
         capture_output=True,

@@ -1,4 +1,4 @@
-"""Random sequences of FMI calls, the forwarding library under the address sanitizer.
+"""Random sequences of FMI calls, the FMU's binary under the address sanitizer.
 
 Always the same ones, unless FUZZ_SEED gives another seed ("random" draws one). The seed is printed,
 and a failure names the sequence.
@@ -13,7 +13,7 @@ import subprocess
 
 import pytest
 
-from curvebound.fmi import forwarding
+from curvebound.fmi.binaries import compile_sources
 
 pytestmark = pytest.mark.usefixtures("system_python")
 
@@ -23,15 +23,14 @@ SANITIZE = ("-fsanitize=address", "-fno-omit-frame-pointer", "-g", "-O1")
 @pytest.fixture(scope="module")
 def fuzz_program(compile_host, tmp_path_factory):
     target = tmp_path_factory.mktemp("fuzz") / "fuzz"
-    # libstdc++ from the start: the sanitizer must see it before the wrapper throws its exceptions
-    return compile_host("fuzz.c", target, *SANITIZE, "-lm", "-Wl,--no-as-needed", "-lstdc++")
+    return compile_host("fuzz.c", target, *SANITIZE, "-lm")
 
 
 @pytest.fixture(scope="module")
 def sanitized(fmus, tmp_path_factory):
-    """The FMUs with a forwarding library that the address sanitizer watches."""
-    library = tmp_path_factory.mktemp("sanitized") / "forward.so"
-    forwarding.compile_source(library, SANITIZE)
+    """The FMUs with a binary that the address sanitizer watches."""
+    library = tmp_path_factory.mktemp("sanitized") / "native.so"
+    compile_sources(library, extra=("-Wl,-z,undefs", *SANITIZE))
     result = {}
     for name, fmu in fmus.items():
         folder = tmp_path_factory.mktemp(name)

@@ -16,7 +16,7 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from curvebound.fmi import forwarding
+from curvebound.fmi.binaries import compile_binary, why_not
 from curvebound.fmi.folder import names
 
 #: .ci/run waits for its installations before the slow tests
@@ -66,8 +66,8 @@ class Expected:
 
 @pytest.fixture(scope="session")
 def expected(fmus):
-    if forwarding.compile_forwarder() is None:
-        pytest.skip(forwarding.why_not())
+    if compile_binary() is None:
+        pytest.skip(why_not())
     assert names() == sorted(NAMES)
     return {name: Expected(fmus / f"{name}.fmu") for name in NAMES}
 

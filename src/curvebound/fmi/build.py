@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib
+import platform
 import re
 import sys
 import tempfile
@@ -17,8 +18,9 @@ from typing import NamedTuple
 from pythonfmu.builder import FmuBuilder
 
 from ..files import write_whole
+from . import binaries
 from . import compile as kernel
-from . import forwarding
+from .bundled import bundled_python
 from .description import timestamp
 from .documentation import documentation_files
 from .drawing import carried
@@ -27,23 +29,36 @@ from .runtime import Runtime, runtime
 
 __all__ = ["BuiltFmu", "build"]
 
-#: PythonFMU's wrapper executes the main module anew for each instance, with locals of its own, and
-#: takes the class it finds in them: so there is one, and it is made once
 _MAIN = """\
 from {package}.fmi import slave
 
 from {system}.fmu import FMU
 
-slave.hold(globals())
+
+class {name}(slave.Slave):
+    fmu = FMU
+    guid_text = "{guid}"
+"""
+
+#: where PythonFMU's wrapper is the binary on some system: it executes the main module anew for each
+#: instance, with locals of its own, and takes the class found in them; so there is one, made once
+_MAIN_WRAPPED = """\
+import sys
+
+from {package}.fmi import slave, wrapped
+
+from {system}.fmu import FMU
+
+if sys.platform not in {own!r}:
+    wrapped.hold(globals())
 
 if "{name}" in globals():
     {name} = globals()["{name}"]
 else:
 
-    class {name}(slave.Slave):
+    class {name}(slave.Slave if sys.platform in {own!r} else wrapped.Wrapped):
         fmu = FMU
         guid_text = "{guid}"
-        forwarded = {forwarded!r}
 """
 
 _HERE = Path(__file__).resolve().parent
@@ -60,13 +75,17 @@ class BuiltFmu(NamedTuple):
     message: str
 
 
-def build(which: str | Path | Folder, out: Path, *, compiled: bool = True) -> BuiltFmu:
+def build(
+    which: str | Path | Folder, out: Path, *, compiled: bool = True, with_python: bool = False
+) -> BuiltFmu:
     """Build the FMU of a system into the folder `out` as NAME.fmu.
 
     which: the system's name, the path of its folder (see find), or the Folder.
 
-    With `compiled` the kernel is compiled where that is possible. Building twice gives the same
-    bytes. Raises CurveboundError for an unknown system, a mistake in it or a failing compiler.
+    With `compiled` the kernel is compiled where that is possible; `with_python` this Python goes
+    into the FMU, for machines without any. Building twice gives the same bytes. Raises
+    CurveboundError for an unknown system, a mistake in it, a failing compiler or a Python that
+    cannot be brought along.
     """
     began = time.perf_counter()
     folder = which if isinstance(which, Folder) else find(which)
@@ -82,23 +101,26 @@ def build(which: str | Path | Folder, out: Path, *, compiled: bool = True) -> Bu
         if not missing:
             extensions = kernel.compile_kernel(sources)
             how = f"kernel compiled for {sys.implementation.cache_tag}"
-    forwarder = forwarding.compile_forwarder()
+    natives = {p: binary for p in binaries.PLATFORMS if (binary := binaries.compile_binary(p))}
+    wrapped = len(natives) < len(binaries.PLATFORMS)
     package = sources.package(compiled=bool(extensions))
-    parts = ("description.py", "units.py", forwarding.SOURCE.name)
-    described = b"".join((_HERE / part).read_bytes() for part in parts)
+    parts = (_HERE / "description.py", _HERE / "units.py", *binaries.SOURCES)
+    described = b"".join(part.read_bytes() for part in parts)
     content = [sources.digest.encode(), described, drawing, *(p.encode() + own[p] for p in own)]
     digest = hashlib.sha256(b"\0".join(content)).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
-    suffix = digest[:12] + ("c" if extensions else "")
+    suffix = digest[:12] + ("c" if extensions else "") + "".join(f"_{p}" for p in natives)
     system = f"{name}_system_{suffix}"
     texts = {
-        f"{name}_{suffix}.py": _MAIN.format(
+        f"{name}_{suffix}.py": (_MAIN_WRAPPED if wrapped else _MAIN)
+        .format(
             package=package,
             system=system,
             name=name,
             guid=guid,
-            forwarded=("linux",) if forwarder else (),
-        ).encode(),
+            own=tuple(binaries.PLATFORMS[place].system for place in natives),
+        )
+        .encode(),
         f"{system}/__init__.py": b"",
     }
     for file, source in own.items():
@@ -110,14 +132,16 @@ def build(which: str | Path | Folder, out: Path, *, compiled: bool = True) -> Bu
     _isolate(files, package)
     files["resources/drawing.json"] = drawing
     files.update(documentation_files(folder))
-    if forwarder:
-        binary = f"binaries/linux64/{name}.so"
-        files["binaries/linux64/pythonfmu-export.so"] = files[binary]
-        files[binary] = forwarder.read_bytes()
-        files["binaries/linux64/guid.txt"] = guid.encode()
-        how += ", forwarding library for linux64"
-    else:
-        how += f", PythonFMU's binary ({forwarding.why_not()})"
+    for place, target in binaries.PLATFORMS.items():
+        if place in natives:
+            files[f"binaries/{place}/{name}{target.suffix}"] = natives[place].read_bytes()
+            files[f"binaries/{place}/guid.txt"] = guid.encode()
+            how += f", {place}"
+        else:
+            how += f", PythonFMU's binary for {place} ({binaries.why_not(place)})"
+    if with_python:
+        files.update(bundled_python(files, f"{name}_{suffix}", name))
+        how += f", with Python {platform.python_version()}"
     path = out / f"{name}.fmu"
     _write(path, files)
     seconds = time.perf_counter() - began

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from .. import cache
 from . import compile as kernel
+from .binaries import PLATFORMS, compile_binary
 from .build import build
 from .description import timestamp
 from .folder import Folder
-from .forwarding import compile_forwarder
 from .runtime import runtime
 
 __all__ = ["cached_fmu"]
@@ -26,9 +26,9 @@ def cached_fmu(folder: Folder) -> Path:
 
     Raises CurveboundError for a mistake in the system or a failing compiler.
     """
-    forwarder = compile_forwarder()
+    own = [(name, binary) for name in PLATFORMS if (binary := compile_binary(name))]
     extensions = {} if kernel.why_not() else kernel.compile_kernel(runtime())
-    binaries = [*sorted(extensions.items()), ("", forwarder.read_bytes() if forwarder else b"")]
+    binaries = [*sorted(extensions.items()), *((name, path.read_bytes()) for name, path in own)]
     parts = [
         cache.sources(_PACKAGE, folder.path),
         *(f"{path} {hashlib.sha256(content).hexdigest()}" for path, content in binaries),

@@ -37,8 +37,13 @@ class ControllerEngine(Engine):
         self.law.observe(group, self.reals, self.table.first_output)
 
     def advance(self, duration: float) -> str:
+        self.law.keep()
+        self.kept = True
         self.law.advance(self.time, duration)
         return ""
+
+    def undo(self) -> None:
+        self.law.undo()
 
     def system_state(self) -> list[list[float]]:
         return [self.law.get_state()]

@@ -107,8 +107,8 @@ def output(name: str, unit: str, description: str, *, nominal: float | None = No
 
 
 def count(name: str, description: str) -> Variable:
-    """An Integer output."""
-    return Variable(COUNT, name, "", 0.0, description)
+    """A Real output that is a whole number: hosts read every output as a Real."""
+    return Variable(COUNT, name, "1", 0.0, description)
 
 
 class Fmu(NamedTuple):

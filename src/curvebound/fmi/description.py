@@ -142,10 +142,9 @@ def _scalar_variable(vr: int, variable: Variable) -> Element:
                 "start": str(int(variable.start)),
             },
         )
-    elif variable.kind in (COUNT_PARAMETER, COUNT):
+    elif variable.kind == COUNT_PARAMETER:
         integer = {} if variable.minimum is None else {"min": str(int(variable.minimum))}
-        if has_start:
-            integer["start"] = str(int(variable.start))
+        integer["start"] = str(int(variable.start))
         SubElement(element, "Integer", integer)
     else:
         real = {"unit": variable.unit}

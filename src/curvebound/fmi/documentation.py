@@ -64,10 +64,9 @@ def _licences() -> str:
         "curvebound, which this FMU was built with and whose code it carries:\n",
         license_text(),
     ]
-    wrapper = distribution("pythonfmu")
-    for file in wrapper.files or ():
+    for file in distribution("pythonfmu").files or ():
         if file.name == "LICENSE":
-            parts += ["\nPythonFMU, whose wrapper it carries:\n", file.read_text()]
+            parts += ["\nPythonFMU, parts of which it carries:\n", file.read_text()]
     return "\n".join(parts)
 
 

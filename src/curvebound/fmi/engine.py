@@ -1,8 +1,9 @@
 """What runs inside an FMU between the FMI calls: values, modes, time and the communication step.
 
-Compiled together with the kernel. PythonFMU calls do_step, get_real and set_real of an Engine
-directly; none of its methods raises. A failure leaves one message in `queue` with status error and
-the state as it was before the call.
+Compiled together with the kernel. The FMU's binary calls most methods of an Engine directly; none
+of them raises, but for what interrupts interpreted code from outside (KeyboardInterrupt). A failure
+leaves one message in `queue` with status error; it and an interrupt leave the state as it was
+before the call.
 """
 
 from __future__ import annotations
@@ -12,7 +13,6 @@ from typing import Final
 
 from .table import (
     CHOICE,
-    COUNT,
     COUNT_PARAMETER,
     EPSILON,
     ERROR,
@@ -36,6 +36,19 @@ INITIALIZATION: Final = 1
 STEPPING: Final = 2
 TERMINATED: Final = 3
 _MODES: Final = ("instantiated", "initialization", "stepping", "terminated")
+
+
+def near(time: float, now: float, step: float) -> bool:
+    """Whether a communication point is the present time but for adding up or for rounding.
+
+    A host may add steps up, or round times to microseconds or to single precision: that is taken
+    for the present time where it is little beside the step (s).
+    """
+    rounding = 1e-6 + 2.4e-7 * abs(now)
+    if rounding > 0.01 * step:
+        rounding = 0.01 * step
+    difference = abs(time - now)
+    return difference <= rounding or difference <= 1e-6 * step + 16.0 * EPSILON * abs(now)
 
 
 class Engine:
@@ -69,6 +82,8 @@ class Engine:
         self.fresh: int = 0
         self.feedthrough: int = 0
         self.watch: Watch = Watch()
+        #: whether undo() can take back what advance() has done
+        self.kept: bool = False
 
     # -- messages ----------------------------------------------------------------------------------
     def say(self, status: int, text: str) -> None:
@@ -106,11 +121,15 @@ class Engine:
         """Advance the system; after a failure undo it and return the message."""
         raise NotImplementedError
 
+    def undo(self) -> None:
+        """Return to the state before advance(), which has been interrupted or taken back."""
+        raise NotImplementedError
+
     def look(self) -> None:
         """Warn of what the live error measures say."""
 
     def count_of(self, vr: int) -> int:
-        """An Integer output."""
+        """A count, by value reference."""
         return 0
 
     def system_state(self) -> list[list[float]]:
@@ -134,9 +153,9 @@ class Engine:
 
     # -- life cycle --------------------------------------------------------------------------------
     def setup_experiment(
-        self, start_time: float, tolerance_defined: bool, tolerance: float
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> bool:
-        """Take start time and tolerance."""
+        """Take start time and tolerance; the stop time is the binary's business."""
         if self.mode != INSTANTIATED:
             return self.out_of_order("fmi2SetupExperiment", "before initialization")
         if not math.isfinite(start_time):
@@ -144,8 +163,8 @@ class Engine:
                 f"startTime = {start_time!r} s is not finite: give a finite start time"
             )
         self.time = start_time
-        self.tolerance_defined = tolerance_defined
-        self.tolerance = tolerance
+        self.tolerance_defined = tolerance is not None
+        self.tolerance = 0.0 if tolerance is None else tolerance
         return True
 
     def out_of_order(self, call: str, when: str) -> bool:
@@ -305,11 +324,14 @@ class Engine:
         if self.pending and not self.bad_value():
             self.take_inputs()
             self.pending = False
-        self.fresh |= 1 << group
         members = self.layout.members[group]
         reals = self.reals
         try:
-            self.observe(group)
+            if group == self.layout.counts:
+                for vr in members:
+                    reals[vr] = float(self.count_of(vr))
+            else:
+                self.observe(group)
         except (ZeroDivisionError, OverflowError, ValueError):
             reals[members[0]] = math.inf
         for vr in members:
@@ -320,6 +342,7 @@ class Engine:
                     f"{self.table.names[vr]} does not fit a floating-point number at time "
                     f"{self.time!r} s: rescale the parameters, or reduce solver.step"
                 )
+        self.fresh |= 1 << group
 
     def grouped(self, outputs: dict[str, int], feedthrough: tuple[int, ...]) -> None:
         """Take over the groups of the system's outputs."""
@@ -333,22 +356,23 @@ class Engine:
         """Set parameters or inputs."""
         table = self.table
         kinds = table.kinds
+        self.fresh &= ~self.feedthrough
         for i in range(len(vrs)):
             vr = vrs[i]
             if vr < 0 or vr >= table.size or not table.is_real(vr):
                 self.unknown(vr, "Real")
                 continue
             if kinds[vr] == INPUT:
-                self.reals[vr] = values[i]
                 self.pending = True
-            elif self.may_set(vr):
                 self.reals[vr] = values[i]
+            elif self.may_set(vr):
+                self.fresh = 0
                 if self.mode == STEPPING:
                     self.pending = True
                     self.retuned = True
                 else:
                     self.stale = True
-        self.fresh = 0 if self.stale or self.retuned else self.fresh & ~self.feedthrough
+                self.reals[vr] = values[i]
 
     def may_set(self, vr: int) -> bool:
         """Whether a parameter may be set now; says why not."""
@@ -364,7 +388,16 @@ class Engine:
 
     def unknown(self, vr: int, type_: str) -> None:
         """A value reference that does not belong to a variable of the type."""
-        number = vr if vr >= 0 else vr + 4294967296  # the wrapper passes it as a signed integer
+        number = vr if vr >= 0 else vr + 4294967296  # PythonFMU's wrapper passes signed integers
+        table = self.table
+        if number < table.size:
+            own = table.type_of(vr)
+            function = "Integer" if own == "Enumeration" else own
+            self.fail(
+                f"value reference {number} is {table.names[vr]} of type {own}, not {type_}: "
+                f"use fmi2Get{function} and fmi2Set{function}"
+            )
+            return
         self.fail(
             f"value reference {number} is not a variable of type {type_}: "
             "use the value references of modelDescription.xml"
@@ -375,10 +408,8 @@ class Engine:
         values: list[int] = []
         for vr in vrs:
             if vr < 0 or vr >= self.table.size or self.table.is_real(vr):
-                self.unknown(vr, "Integer or Enumeration")
+                self.unknown(vr, "Integer")
                 values.append(0)
-            elif self.table.kinds[vr] == COUNT:
-                values.append(min(self.count_of(vr), 2147483647))
             else:
                 values.append(self.integers[vr])
         return values
@@ -388,13 +419,13 @@ class Engine:
         for i in range(len(vrs)):
             vr = vrs[i]
             if vr < 0 or vr >= self.table.size or self.table.is_real(vr):
-                self.unknown(vr, "Integer or Enumeration")
+                self.unknown(vr, "Integer")
             elif self.may_set(vr):
-                self.integers[vr] = values[i]
+                self.fresh = 0
                 self.stale = self.mode < STEPPING
                 self.retuned = True
                 self.pending = True
-        self.fresh = 0
+                self.integers[vr] = values[i]
 
     # -- stepping ----------------------------------------------------------------------------------
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -407,9 +438,7 @@ class Engine:
                 "give a finite step size above zero"
             )
         now = self.time
-        if current_time != now and not (
-            abs(current_time - now) <= 1e-6 * step_size + 16.0 * EPSILON * abs(now)
-        ):
+        if current_time != now and not near(current_time, now, step_size):
             return self.fail(
                 f"currentCommunicationPoint = {current_time!r} s is not the present time "
                 f"{now!r} s: continue from there, or restore a state saved at the wanted time"
@@ -426,13 +455,21 @@ class Engine:
                 return self.fail(message)
             self.take_inputs()
             self.pending = False
-        message = self.advance(step_size)
-        if message:
-            return self.fail(message)
-        self.time = end
-        self.fresh = 0
-        if self.watch.due():
-            self.look()
+        self.kept = False
+        try:
+            message = self.advance(step_size)
+            if message:
+                return self.fail(message)
+            self.time = end
+            self.fresh = 0
+            if self.watch.due():
+                self.look()
+        except BaseException:  # an interrupt: there has been no step
+            if self.kept:
+                self.undo()
+            self.time = now
+            self.fresh = 0
+            raise
         return True
 
     # -- saved states ------------------------------------------------------------------------------

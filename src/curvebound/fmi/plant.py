@@ -53,6 +53,10 @@ class PlantEngine(Engine):
         self.remembers: bool = False
         self.look_at_drift: bool = False
         self.look_at_linear: bool = False
+        # what undo() restores
+        self.kept_steps: int = 0
+        self.kept_evaluations: int = 0
+        self.memory: list[float] = []
         super().__init__(table, guid)
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
@@ -114,10 +118,12 @@ class PlantEngine(Engine):
                 f"{model.variation()} at time {self.time!r} s: choose another solver.method such "
                 "as 4 (adaptive), or keep them constant"
             )
-        steps = method.steps
-        evaluations = method.evaluations
-        memory = method.get_state() if self.remembers else []
+        self.kept_steps = method.steps
+        self.kept_evaluations = method.evaluations
+        if self.remembers:
+            self.memory = method.get_state()
         model.keep()
+        self.kept = True
         try:
             failure = method.advance(model, duration, int(count), self.relative, self.max_steps)
             if failure == DONE:
@@ -129,12 +135,15 @@ class PlantEngine(Engine):
             failure = NOT_FINITE
         by_method = method.CHOOSES_STEP or failure != NOT_FINITE
         message = self.explain(failure, method.reached if by_method else duration / count, duration)
-        model.undo()
-        method.steps = steps
-        method.evaluations = evaluations
-        if self.remembers:
-            method.set_state(memory)
+        self.undo()
         return message
+
+    def undo(self) -> None:
+        self.model.undo()
+        self.method.steps = self.kept_steps
+        self.method.evaluations = self.kept_evaluations
+        if self.remembers:
+            self.method.set_state(self.memory)
 
     def output(self, name: str) -> float:
         """An output by name, brought up to date."""

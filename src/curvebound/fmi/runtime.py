@@ -15,7 +15,7 @@ __all__ = ["Runtime", "runtime"]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 
-#: what runs interpreted in any case: touched once per instance, or by PythonFMU's wrapper
+#: what runs interpreted in any case: touched once per instance
 _INTERPRETED = (
     "models/__init__.py",
     "integrators/__init__.py",
@@ -23,6 +23,7 @@ _INTERPRETED = (
     "fmi/common.py",
     "fmi/declaration.py",
     "fmi/slave.py",
+    "fmi/wrapped.py",
 )
 
 
@@ -73,4 +74,4 @@ def _init(compiled: tuple[str, ...]) -> str:
     """
     modules = [name[:-3].replace("/", ".") for name in compiled]
     lines = [f"from .{module} import __name__ as _" for module in modules]
-    return "\n".join([*lines, "from .fmi import common, declaration, slave", ""])
+    return "\n".join([*lines, "from .fmi import common, declaration, slave, wrapped", ""])

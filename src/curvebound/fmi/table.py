@@ -43,7 +43,7 @@ class Layout:
     """The groups in which a system's outputs are computed; shared by the instances that have it."""
 
     def __init__(
-        self, outputs: dict[str, int], groups: list[int], members: list[list[int]]
+        self, outputs: dict[str, int], groups: list[int], members: list[list[int]], counts: int
     ) -> None:
         #: the outputs by name, with the group of each
         self.outputs = outputs
@@ -51,6 +51,8 @@ class Layout:
         self.groups = groups
         #: the outputs of each group
         self.members = members
+        #: the group of the counts
+        self.counts = counts
 
 
 class Table:
@@ -84,7 +86,9 @@ class Table:
         self.by_name = {name: i for i, name in enumerate(names)}
         #: that of an instance without a system, then those of the systems met so far
         self.layouts: list[Layout] = [
-            Layout({}, [NO_GROUP if self.is_real(vr) else NOT_REAL for vr in range(self.size)], [])
+            Layout(
+                {}, [NO_GROUP if self.is_real(vr) else NOT_REAL for vr in range(self.size)], [], 0
+            )
         ]
 
     def _first(self, kind: int) -> int:
@@ -95,7 +99,13 @@ class Table:
 
     def is_real(self, vr: int) -> bool:
         kind = self.kinds[vr]
-        return kind == PARAMETER or kind == INPUT or kind == OUTPUT
+        return kind != CHOICE and kind != COUNT_PARAMETER
+
+    def type_of(self, vr: int) -> str:
+        """The FMI type of a variable."""
+        if self.kinds[vr] == CHOICE:
+            return "Enumeration"
+        return "Integer" if self.kinds[vr] == COUNT_PARAMETER else "Real"
 
     def layout(self, outputs: dict[str, int]) -> Layout:
         """The layout of a system with these outputs, which must be the declared ones."""
@@ -108,11 +118,15 @@ class Table:
                 f"the outputs are declared as {declared}, but computed as {list(outputs)}"
             )
         groups = self.layouts[0].groups[:]
-        members: list[list[int]] = [[] for _ in range(max(outputs.values()) + 1)]
+        counts = max(outputs.values()) + 1
+        members: list[list[int]] = [[] for _ in range(counts)]
         for name, group in outputs.items():
             vr = self.by_name[name]
             groups[vr] = group
             members[group].append(vr)
-        found = Layout(outputs, groups, members)
+        members.append(list(range(self.first_count, self.size)))
+        for vr in members[counts]:
+            groups[vr] = counts
+        found = Layout(outputs, groups, members, counts)
         self.layouts.append(found)
         return found

@@ -205,3 +205,11 @@ class Law:
     def set_state(self, state: list[float]) -> None:
         """Return to what get_state() gave."""
         raise NotImplementedError
+
+    def keep(self) -> None:
+        """Remember the present state, cheaply, for one undo()."""
+        raise NotImplementedError
+
+    def undo(self) -> None:
+        """Return to the state that keep() remembered."""
+        raise NotImplementedError

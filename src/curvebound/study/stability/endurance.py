@@ -81,7 +81,7 @@ def run_endurance(calls: int, progress: Callable[[int], None] | None = None) -> 
             memory.append(_resident())
             if progress is not None:
                 progress(n)
-        (steps,) = slave.getInteger([of["solver.steps"].reference])
+        (steps,) = slave.getReal([of["solver.steps"].reference])
     finally:
         instance.free()
         library.unload()
@@ -90,7 +90,7 @@ def run_endurance(calls: int, progress: Callable[[int], None] | None = None) -> 
     return Endurance(
         n,
         n * STEP,
-        steps,
+        int(steps),
         None if early is None or late is None else late - early,
         statistics.median(spent[:quarter]),
         statistics.median(spent[-quarter:]),

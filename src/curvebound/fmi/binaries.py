@@ -1,0 +1,126 @@
+"""Compiling native/, the binary of an FMU: one for Linux, one for Windows, from the same sources.
+
+Compiled once for all FMUs, since it reads from the FMU around it what is particular to one, and
+cached. The same compiler gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from .. import cache
+from .compile import compiler, compiler_parts
+
+__all__ = ["PLATFORMS", "SOURCES", "Platform", "compile_binary", "compile_sources", "why_not"]
+
+_FOLDER = Path(__file__).with_name("native")
+
+#: all files of native/
+SOURCES = tuple(sorted(_FOLDER.iterdir()))
+
+# Only the FMI functions are visible, bound to this copy: several FMUs share a process.
+_FLAGS = ("-std=c11", "-O2", "-s", "-Wall", "-Wextra", "-shared", "-fvisibility=hidden")
+# All symbols are resolved on loading: what is missing must show there and not in a step. libdl is a
+# separate library on systems older than glibc 2.34, and an empty one since.
+_LINUX = (
+    *("-fPIC", "-Wl,-Bsymbolic", "-Wl,-z,defs", "-Wl,-z,now", "-Wl,-z,relro"),
+    *("-Wl,-z,noseparate-code", "-Wl,--build-id=none", "-Wl,--no-as-needed", "-l:libdl.so.2"),
+)
+# no library but those of Windows itself; no time in the file
+_WINDOWS = ("-D__USE_MINGW_ANSI_STDIO=1", "-static", "-Wl,--no-insert-timestamp", "-ladvapi32")
+
+
+class Platform:
+    """A kind of binary in an FMU.
+
+    `folder` is its name in FMI 2.0, `suffix` that of the file, `system` what sys.platform says
+    where it runs.
+    """
+
+    def __init__(self, folder: str, suffix: str, system: str) -> None:
+        self.folder = folder
+        self.suffix = suffix
+        self.system = system
+        #: why compiling has failed, or ''
+        self.failure = ""
+
+    def command(self) -> list[str]:
+        """The C compiler for this platform and its flags; empty where there is none."""
+        if self.folder == "win64":
+            cross = shutil.which("x86_64-w64-mingw32-gcc")
+            return [cross, *_FLAGS, *_WINDOWS] if cross else []
+        native = sys.platform == self.system and platform.machine() in ("x86_64", "AMD64")
+        own = compiler() if native else None
+        return [own, *_FLAGS, *_LINUX] if own else []
+
+    def files(self) -> list[str]:
+        """The sources for this platform, relative to native/."""
+        other = "_posix.c" if self.folder == "win64" else "_windows.c"
+        return [p.name for p in SOURCES if p.suffix == ".c" and not p.name.endswith(other)]
+
+
+def _identity(program: str) -> str:
+    status = os.stat(program)
+    return f"{os.path.realpath(program)} {status.st_size} {status.st_mtime_ns}"
+
+
+PLATFORMS = {
+    "linux64": Platform("linux64", ".so", "linux"),
+    "win64": Platform("win64", ".dll", "win32"),
+}
+
+
+def why_not(name: str = "linux64") -> str:
+    """Why there is no binary for the platform of that name, or ''."""
+    target = PLATFORMS[name]
+    return target.failure if target.command() else f"no C compiler for {name} found"
+
+
+def compile_binary(name: str = "linux64") -> Path | None:
+    """The binary for the platform of that name, or None where why_not() gives a reason.
+
+    A compiler that fails is such a reason: FMUs can be built without.
+    """
+    target = PLATFORMS[name]
+    target.failure = ""
+    command = target.command()
+    if not command:
+        return None
+    file = f"native{target.suffix}"
+    try:
+        parts = [
+            cache.sources(_FOLDER, Path(__file__)),
+            *compiler_parts(),
+            *command,
+            _identity(command[0]),
+        ]
+        folder = cache.entry("binaries", parts, lambda to: compile_sources(to / file, name))
+    except (OSError, subprocess.CalledProcessError) as error:
+        detail = (getattr(error, "stderr", b"") or b"").decode(errors="replace")
+        text = "; ".join(detail.split("\n")[:4]).strip("; ") or str(error)
+        target.failure = f"compiling the binary for {name} failed: {text}"
+        return None
+    return folder / file
+
+
+def compile_sources(library: Path, name: str = "linux64", extra: Sequence[str] = ()) -> None:
+    """Compile native/ into `library`, with further flags for the compiler (tests: a sanitizer).
+
+    Raises OSError or subprocess.CalledProcessError, whose stderr holds the compiler's messages.
+    """
+    target = PLATFORMS[name]
+    compiler_, *flags = target.command()
+    library.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".native-", dir=library.parent) as scratch:
+        made = Path(scratch) / library.name
+        command = [compiler_, *target.files(), "-o", str(made), *flags, *extra]
+        subprocess.run(command, cwd=_FOLDER, capture_output=True, check=True)
+        made.chmod(0o755)
+        made.replace(library)

@@ -1,0 +1,95 @@
+"""Ctrl-C while an FMU computes: it reaches the host, and the FMU has made whole steps."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+_HOST = """
+import os, random, signal, sys, threading
+from pathlib import Path
+from harness import Extracted, Instance
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+fmu, settings, longest = Extracted(Path(sys.argv[1])), eval(sys.argv[2]), float(sys.argv[3])
+H = 1 / 128
+random.seed(1)
+
+
+def new():
+    instance = Instance(fmu)
+    return instance.start(settings)
+
+
+steady, expected = new(), []
+expected.append(steady.bits())
+
+
+def interrupt():
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+instance, arrived, inside = new(), 0, 0
+while arrived < 100:
+    timer = threading.Timer(random.random() * longest, interrupt)
+    try:
+        timer.start()
+        while True:
+            time = instance.slave.getRealStatus(2)
+            instance.slave.doStep(time, H)
+    except KeyboardInterrupt:
+        arrived += 1
+    timer.join()
+    inside += len(instance.errors)
+    assert all("interrupted by KeyboardInterrupt" in text for text in instance.errors)
+    instance.messages.clear()
+    done = round(instance.slave.getRealStatus(2) / H)
+    while len(expected) <= done:
+        steady.slave.doStep((len(expected) - 1) * H, H)
+        expected.append(steady.bits())
+    assert instance.bits() == expected[done], (arrived, done)
+print(arrived, inside, done)
+"""
+
+
+def run(path: Path, settings: dict[str, object], longest: float) -> tuple[int, int, int]:
+    done = subprocess.run(
+        [sys.executable, "-c", _HOST, str(path), repr(settings), str(longest)],
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    assert done.returncode == 0, f"{done.stdout[-1000:]}\n{done.stderr[-3000:]}"
+    arrived, inside, steps = map(int, done.stdout.split())
+    return arrived, inside, steps
+
+
+PLANTS = {
+    "BeadOnWire": {"solver.step": 1e-5},
+    "ParabolaPendulum": {"solver.method": "adaptive", "solver.tolerance": 1e-12},
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent as on POSIX")
+@pytest.mark.parametrize("name", PLANTS)
+def test_every_interrupt_arrives_where_the_code_is_compiled(fmus, name: str) -> None:
+    arrived, _, steps = run(fmus / f"{name}.fmu", PLANTS[name], 0.004)
+    assert arrived == 100
+    assert steps > 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent as on POSIX")
+@pytest.mark.parametrize("name", PLANTS)
+def test_every_interrupt_arrives_where_the_code_is_interpreted(interpreted_fmus, name: str) -> None:
+    settings = {**PLANTS[name], **({"solver.step": 1e-4} if name == "BeadOnWire" else {})}
+    arrived, inside, steps = run(interpreted_fmus / f"{name}.fmu", settings, 0.01)
+    assert arrived == 100
+    assert inside > 20, "most of the time goes into the FMU's code"
+    assert steps > 0
