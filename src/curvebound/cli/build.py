@@ -36,6 +36,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="leave out the compiled kernel: smaller, runs interpreted everywhere",
     )
+    parser.add_argument(
+        "--with-python",
+        action="store_true",
+        help="put this Python into the FMU (Linux; about 4 MB), for machines without any",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -50,5 +55,11 @@ def run(options: argparse.Namespace) -> int:
             folder = write_cross_check(name, options.cross_check, compiled=not options.no_compile)
             print(f"{folder}: FMU, reference result, bounds", flush=True)
             continue
-        print(build(name, options.out, compiled=not options.no_compile).message, flush=True)
+        built = build(
+            name,
+            options.out,
+            compiled=not options.no_compile,
+            with_python=options.with_python,
+        )
+        print(built.message, flush=True)
     return 0
