@@ -15,7 +15,7 @@ Make = Callable[..., Instance]
 @pytest.fixture
 def make(instantiate: Make, extracted: dict[str, Any]) -> Make:
     if not extracted["BeadOnWire"].forwarded:
-        pytest.skip("without forwarding library PythonFMU's wrapper decides")
+        pytest.skip("without a binary of this project PythonFMU's wrapper decides")
     return instantiate
 
 
