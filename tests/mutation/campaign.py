@@ -123,8 +123,8 @@ class Trial:
         """Run tests in a fork of this process, which has imported what they need from elsewhere."""
         listed = self.copy / "tests.txt"
         listed.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
-        arguments = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--timeout=120",
-                     f"@{listed}"]  # fmt: skip
+        arguments = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "interpreting",
+                     "--timeout=120", f"@{listed}"]  # fmt: skip
         limit = 300.0 + 5.0 * sum(self.contexts.seconds[t] for t in tests)
         with tempfile.TemporaryFile() as log:
             child = os.fork()

@@ -91,7 +91,8 @@ class Contexts:
         listed.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
         watched = self.folder / "watched.json"
         command = [sys.executable, "-m", "coverage", "run", f"--rcfile={settings}", "-m", "pytest",
-                   "-q", "-p", "watching", "-p", "no:cacheprovider", "-p", "no:xdist",
+                   "-q", "-p", "watching", "-p", "interpreting", "-p", "no:cacheprovider",
+                   "-p", "no:xdist",
                    "-o", "timeout=0", f"@{listed}"]  # fmt: skip
         environment = {**self.environment, "CAMPAIGN_WATCH": str(watched), "CAMPAIGN_TEST": ""}
         with (self.folder / "log.txt").open("w") as log:

@@ -56,7 +56,15 @@ def test_gaps_and_infinities_draw_without_a_warning(tmp_path: Path) -> None:
     data["bead.bead.x"][100:200] = np.nan
     data["bead.energy.residual"][50] = np.inf
     data["bead.energy.total"][:] = np.nan
-    write_picture(data, tmp_path / "gaps.png")
+
+    gaps = np.asarray(Image.open(write_picture(data, tmp_path / "gaps.png")).convert("RGB"))
+    whole = write_picture(bead(4.0, 0.01), tmp_path / "whole.png")
+    assert {palette()[0], palette()[1]} <= colours(Image.fromarray(gaps))
+    # two of the ten pictures of the bead fall into the gap, and the third energy is not there
+    apart = (gaps != np.asarray(Image.open(whole).convert("RGB"))).any(axis=2)
+    left, right = np.split(apart, [apart.shape[1] // 2], axis=1)
+    assert 150 < left.sum() < 500
+    assert right.any()
 
 
 def test_an_animation_runs_in_real_time(tmp_path: Path) -> None:
