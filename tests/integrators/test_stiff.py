@@ -99,6 +99,16 @@ def test_damping_of_any_size_takes_bounded_work(damping: float) -> None:
         assert method.steps < 600
 
 
+@pytest.mark.parametrize("damping", [1e4, 1e9])
+def test_cutting_a_stiff_motion_costs_one_step_a_cut(damping: float) -> None:
+    """A step that the end of a communication step cut short says nothing about the next one."""
+    whole, cut = create(4), create(4)
+    march(whole, Oscillator(w0=2.0, w1=2.0, damping=damping), 10.0, tolerance=1e-8)
+    march(cut, Oscillator(w0=2.0, w1=2.0, damping=damping), 10.0, pieces=100, tolerance=1e-8)
+    assert cut.steps <= whole.steps + 100
+    assert cut.evaluations <= whole.evaluations + 20 * 100
+
+
 def test_work_of_damping_is_integrated_in_stiff_steps() -> None:
     model, method = Oscillator(w0=2.0, w1=3.0, damping=1e5, push=2.0), create(4)
     march(method, model, 50.0, pieces=5, tolerance=1e-9)
