@@ -55,3 +55,46 @@ def test_a_bead_that_damping_stopped_is_no_reason(form: str, method: str, step: 
     """All energy moves before the first look, and counts still: rounding is little beside it."""
     start = {"bead.damping": 5.0, "model.formulation": form, "solver.method": method}
     assert not warnings("BeadOnWire", start, 70 * step, step)
+
+
+COARSE = {"solver.method": "rk4", "solver.step": 0.25}
+#: of the bead from the horizontal at the defaults, s
+PERIOD = 2.36784194757624
+
+
+@pytest.mark.parametrize("step", [0.5, 1.0, 3.0, 5.0, 15.0])
+def test_an_energy_that_is_not_kept_is_told_however_the_run_is_cut(step: float) -> None:
+    (note,) = warnings("ParabolaPendulum", COARSE, 15.0, step)
+    assert "energy.residual" in note
+
+
+@pytest.mark.parametrize("step", [0.1, 7.0, 60.0])
+def test_drift_is_told_however_the_run_is_cut(step: float) -> None:
+    start = {"constraint.stabilization": "none", "solver.step": 2e-2, "solver.method": "rk4"}
+    notes = warnings("BeadOnWire", start, 60.0, step)
+    assert sum("constraint.drift" in note for note in notes) == 1
+
+
+@pytest.mark.parametrize("step", [0.1, 1.0, 20.0])
+def test_a_start_beyond_the_linear_range_is_told_however_the_run_is_cut(step: float) -> None:
+    start = {"model.fidelity": "linear", "solver.method": "exact", "pendulum.angle_start": 1.5}
+    (note,) = warnings("ParabolaPendulum", start, 20.0, step)
+    assert "beyond its range" in note
+
+
+@pytest.mark.parametrize("method", ["rk4", "adaptive", "implicit"])
+@pytest.mark.parametrize("form", ["angle", "lagrange_multiplier"])
+@pytest.mark.parametrize("periods", [0.5, 1.0, 2.0])
+def test_communication_points_where_nothing_moves_are_no_reason(
+    periods: float, form: str, method: str
+) -> None:
+    """At each of them the bead is at rest, at one height: what moves is between them."""
+    start = {"model.formulation": form, "solver.method": method}
+    assert not warnings("BeadOnWire", start, 40.0 * PERIOD, periods * PERIOD)
+
+
+@pytest.mark.parametrize("method", ["rk4", "adaptive", "implicit"])
+@pytest.mark.parametrize("angle", [1e-6, 1e-9, 1e-12])
+def test_rounding_beside_little_motion_is_no_reason(angle: float, method: str) -> None:
+    start = {"solver.method": method, "gravity.y": -1e3, "bead.angle_start": angle}
+    assert not warnings("BeadOnWire", start, 100.0, 0.1)

@@ -65,6 +65,9 @@ class Engine:
         table = self.table
         self.mode: int = INSTANTIATED
         self.time: float = 0.0
+        #: s, the experiment's start and stop; infinity where the latter is not defined
+        self.begin: float = 0.0
+        self.end: float = math.inf
         self.reals: list[float] = table.starts[:]
         self.integers: list[int] = [int(x) for x in table.starts]
         #: whether inputs or tunable parameters wait to be taken over by the system
@@ -125,8 +128,8 @@ class Engine:
         """Return to the state before advance(), which has been interrupted or taken back."""
         raise NotImplementedError
 
-    def look(self) -> None:
-        """Warn of what the live error measures say."""
+    def look(self, at_end: bool) -> None:
+        """Warn of what the live error measures say, where a look is due or the run ends."""
 
     def count_of(self, vr: int) -> int:
         """A count, by value reference."""
@@ -155,14 +158,15 @@ class Engine:
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> bool:
-        """Take start time and tolerance; the stop time is the binary's business."""
+        """Take start time, tolerance, and the stop time, which only advice depends on."""
         if self.mode != INSTANTIATED:
             return self.out_of_order("fmi2SetupExperiment", "before initialization")
         if not math.isfinite(start_time):
             return self.fail(
                 f"startTime = {start_time!r} s is not finite: give a finite start time"
             )
-        self.time = start_time
+        self.time = self.begin = start_time
+        self.end = math.inf if stop_time is None else stop_time
         self.tolerance_defined = tolerance is not None
         self.tolerance = 0.0 if tolerance is None else tolerance
         return True
@@ -195,12 +199,14 @@ class Engine:
         if message:
             return self.fail(message)
         self.mode = STEPPING
+        self.look(False)
         return True
 
     def terminate(self) -> bool:
         """End stepping; values stay readable."""
         if self.mode != STEPPING:
             return self.out_of_order("fmi2Terminate", "after initialization")
+        self.look(True)
         self.mode = TERMINATED
         return True
 
@@ -462,8 +468,7 @@ class Engine:
                 return self.fail(message)
             self.time = end
             self.fresh = 0
-            if self.watch.due():
-                self.look()
+            self.look(False)
         except BaseException:  # an interrupt: there has been no step
             if self.kept:
                 self.undo()

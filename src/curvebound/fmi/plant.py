@@ -18,6 +18,7 @@ from ..integrators.base import (
 from ..models.base import Model
 from .engine import Engine, System
 from .table import EPSILON, LARGEST, WARNING, Table
+from .watch import ENERGY_FRACTION
 
 __all__ = ["Plant", "PlantEngine"]
 
@@ -158,23 +159,14 @@ class PlantEngine(Engine):
                 self.fresh &= ~(1 << group)
         return self.reals[vr]
 
-    def look(self) -> None:
+    def look(self, at_end: bool) -> None:
         watch = self.watch
-        said = ""
+        steps = self.method.steps
+        if not watch.due(steps) and not (at_end and steps > watch.seen):
+            return
         if not watch.said_energy:
-            method = self.method
-            by_step = not method.CHOOSES_STEP
-            said = watch.energy(
-                max(self.output("energy.kinetic"), self.model.initial_kinetic),
-                self.output("energy.potential") - self.model.initial_potential,
-                self.output("energy.residual"),
-                method.ORDER if by_step else 1,
-                "solver.step" if by_step else self.tolerance_name(),
-                self.step if by_step else self.relative,
-                self.time,
-            )
-            if said:
-                self.say(WARNING, said)
+            self.look_at_energy()
+        said = ""
         if self.look_at_drift and not watch.said_drift:
             model = self.model
             drift = self.output("constraint.drift")
@@ -186,7 +178,6 @@ class PlantEngine(Engine):
             said = watch.linear(error, self.model.remedy("nonlinear"), self.time)
             if said:
                 self.say(WARNING, said)
-
         if self.remembers and self.method.CHOOSES_STEP and not watch.said_rounding:
             model = self.model
             said = watch.rounding(
@@ -198,6 +189,58 @@ class PlantEngine(Engine):
             )
             if said:
                 self.say(WARNING, said)
+
+    def look_at_energy(self) -> None:
+        """Warn of a balance of energy that does not hold."""
+        watch = self.watch
+        model = self.model
+        kinetic = max(self.output("energy.kinetic"), model.initial_kinetic)
+        change = self.output("energy.potential") - model.initial_potential
+        watch.moved = max(watch.moved, abs(kinetic), abs(change))
+        residual = self.output("energy.residual")
+        if abs(residual) <= ENERGY_FRACTION * watch.moved:
+            return
+        # a communication point at a turning point shows little of what moves between them
+        watch.moved = max(watch.moved, self.swing())
+        if not watch.exceeds(residual, model.balance(0.0)[1]):
+            return
+        by_step = not self.method.CHOOSES_STEP
+        elapsed = self.time - self.begin
+        run = self.end - self.begin
+        said = watch.energy(
+            residual,
+            run / elapsed if 0.0 < elapsed < run < LARGEST else 1.0,
+            self.method.ORDER if by_step else 1,
+            "solver.step" if by_step else self.tolerance_name(),
+            self.step if by_step else self.relative,
+            self.time,
+        )
+        if said:
+            self.say(WARNING, said)
+
+    def swing(self) -> float:
+        """Kinetic energy (J) that the present forces would give, starting at rest.
+
+        They act for as long as they take to change, which the accelerations' Jacobian tells.
+        """
+        model = self.model
+        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        try:
+            a0, a1 = model.acceleration(0.0, q0, q1, 0.0, 0.0)
+            j = model.jacobian(0.0, q0, q1, v0, v1)
+            rate = math.sqrt(abs(j[0]) + abs(j[3])) + abs(j[4]) + abs(j[7])
+            if rate == 0.0:
+                return 0.0
+            model.v0 = model.v1 = 0.0
+            at_rest = model.balance(0.0)[0]
+            model.v0 = a0 / rate
+            model.v1 = a1 / rate
+            swing = model.balance(0.0)[0] - at_rest
+        except (ZeroDivisionError, OverflowError, ValueError, NotImplementedError):
+            swing = 0.0
+        model.v0 = v0
+        model.v1 = v1
+        return swing if swing < LARGEST else 0.0
 
     def tolerance_name(self) -> str:
         """What sets the tolerance."""

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["Slave", "StateError", "table_of"]
 
 _KINDS = (PARAMETER, CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, COUNT)
-_TABLES: dict[int, Table] = {}
+#: by the declaration's id, with the declaration, so that the id stays its own
+_TABLES: dict[int, tuple[Fmu, Table]] = {}
 
 
 #: methods of the engine that stand for the slave's own, without a Python frame in between
@@ -40,10 +41,9 @@ class StateError(Exception):
 
 def table_of(fmu: Fmu) -> Table:
     """The engine's table of an FMU's variables; made once."""
-    table = _TABLES.get(id(fmu))
-    if table is None:
+    if id(fmu) not in _TABLES:
         variables = fmu.ordered()
-        table = _TABLES[id(fmu)] = Table(
+        table = Table(
             [v.name for v in variables],
             [_KINDS.index(v.kind) for v in variables],
             [v.unit for v in variables],
@@ -53,7 +53,8 @@ def table_of(fmu: Fmu) -> Table:
             [v.tunable for v in variables],
             [[name for name, _ in v.type.items] if v.type else [] for v in variables],
         )
-    return table
+        _TABLES[id(fmu)] = fmu, table
+    return _TABLES[id(fmu)][1]
 
 
 class Slave(Fmi2Slave):  # type: ignore[misc]

@@ -1,11 +1,14 @@
 """Warnings while running: what the live error measures say, once each.
 
-A plant is looked at after its 16th, 32nd and then every 64th communication step, so that the
-outputs which this needs cost next to nothing.
+A plant is looked at when its internal steps have grown by a quarter since the last look, or by
+LONGEST_PAUSE, at the communication point that follows, at the start and at the end: what is found
+does not hang on how a run is cut into communication steps, and the outputs that it needs cost next
+to nothing.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 __all__ = ["Watch"]
@@ -21,56 +24,59 @@ ACCELERATION_ERROR: Final = 0.3
 ROUNDING: Final = 1e4
 UNIT_ROUNDOFF: Final = 1.1102230246251565e-16
 #: what the suggested step aims at, as a fraction of the bound
-_AIM: Final = 0.1
+_AIM: Final = 0.05
 #: what keeps a bound, rounded to one digit, above what it has to exceed
 _GENEROUS: Final = 1.5
-_FIRST_PAUSE: Final = 16
-_LONGEST_PAUSE: Final = 64
+#: internal steps between looks: a part of those made so far, and at most so many
+_GROWTH: Final = 4
+LONGEST_PAUSE: Final = 512
+#: rounding of the energies and the work, in units of what adds up to them, in the first step and
+#: per root of the number of steps
+_NOISE: Final = 16.0
 
 
 class Watch:
     """When to look, what was said already, and the energy scale."""
 
     def __init__(self) -> None:
-        #: communication steps until the next look
-        self.countdown: int = _FIRST_PAUSE
-        self.pause: int = _FIRST_PAUSE // 2
+        #: internal steps at which the next look is due, and at the last one
+        self.next: int = 0
+        self.seen: int = 0
         self.said_energy: bool = False
         self.said_drift: bool = False
         self.said_linear: bool = False
         self.said_rounding: bool = False
-        #: J, largest kinetic energy and largest change of the potential one so far
+        #: J, largest kinetic energy and largest change of the potential one met so far
         self.moved: float = 0.0
 
-    def due(self) -> bool:
-        """Count a communication step; whether to look after it."""
-        self.countdown -= 1
-        if self.countdown > 0:
+    def due(self, steps: int) -> bool:
+        """Whether to look after `steps` internal steps."""
+        if steps < self.next:
             return False
-        self.pause = min(2 * self.pause, _LONGEST_PAUSE)
-        self.countdown = self.pause
+        self.seen = steps
+        self.next = steps + max(1, min(steps // _GROWTH, LONGEST_PAUSE))
         return True
 
-    def energy(
-        self,
-        kinetic: float,
-        change: float,
-        residual: float,
-        order: int,
-        setting: str,
-        value: float,
-        time: float,
-    ) -> str:
-        """The warning about the energy balance, or ''.
+    def exceeds(self, residual: float, size: float) -> bool:
+        """Whether `residual` is more than its share of `moved`, and than rounding explains.
 
-        kinetic (now or at the start), change of the potential energy since, residual in J;
+        size: of what adds up to the residual, in J.
+        """
+        noise = UNIT_ROUNDOFF * (_NOISE + math.sqrt(float(self.seen))) * size
+        return abs(residual) > max(ENERGY_FRACTION * self.moved, noise)
+
+    def energy(
+        self, residual: float, growth: float, order: int, setting: str, value: float, time: float
+    ) -> str:
+        """The warning about an energy balance of which exceeds() is true.
+
+        growth: by how much a residual that grows with time will be larger at the end of the run;
         `setting` with its value is what rules the error, as its power `order`.
         """
-        self.moved = max(self.moved, abs(kinetic), abs(change))
-        if self.said_energy or not abs(residual) > ENERGY_FRACTION * self.moved > 0.0:
+        if not self.moved > 0.0:
             return ""
         self.said_energy = True
-        excess = abs(residual) / (_AIM * ENERGY_FRACTION * self.moved)
+        excess = growth * abs(residual) / (_AIM * ENERGY_FRACTION * self.moved)
         better = value / excess if order <= 1 else value / excess ** (1.0 / order)
         return (
             f"energy.residual = {residual:.3g} J at time {time:.6g} s is more than "
