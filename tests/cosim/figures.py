@@ -151,7 +151,7 @@ def jump() -> None:
             return scene.record("one.x", "one.v")
 
         for step in (0.0303, 0.0103, 0.00303):
-            result = make(step, None).run(fmpy_single=False)
+            result = make(step, None).run()
             print(f"  fixed H = {step:.3e}  {result.steps:8d} steps   error {error(result):.3e}")
         for tolerance in (0.1, 0.01, 0.001):
             result = make(0.01, tolerance).run()

@@ -124,21 +124,3 @@ def test_the_command_writes_what_there_is_and_says_who_failed(tmp_path, capsys) 
     assert "The result up to there is in" in said
     table = read_csv(out)
     assert table["time"][-1] == pytest.approx(float(found.group(1)))
-
-
-def test_a_scene_of_one_plant_fails_alike_through_fmpy_and_on_the_master() -> None:
-    scene = Scene("alone", stop_time=5.0, step=0.02).add("broken", "ParabolaPendulum", FAILING)
-    scene.record("broken.pendulum.angle", "broken.energy.total")
-    found = []
-    for fmpy_single in (True, False):
-        with pytest.raises(RunFailed) as caught:
-            scene.run(fmpy_single=fmpy_single)
-        found.append(caught.value)
-    assert found[0].component == found[1].component == "broken"
-    assert found[0].time == pytest.approx(found[1].time)
-    tables = [one.result.data for one in found]
-    assert len(tables[0]) == len(tables[1])
-    # fmpy adds up its times: the last bits of a state that explodes differ
-    assert np.allclose(tables[0]["time"], tables[1]["time"])
-    assert np.array_equal(tables[0][:2], tables[1][:2])
-    assert "solver.step" in found[0].cause

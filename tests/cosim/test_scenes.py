@@ -47,18 +47,6 @@ def test_scene_runs_states_its_needs_and_keeps_its_energy(name):
         assert path in result.names
 
 
-@pytest.mark.parametrize("name", SINGLE)
-def test_fmpy_and_the_master_agree(name):
-    scene = load_scene(name)
-    scene.stop_time = 1.0
-    through_fmpy, own = scene.run(), scene.run(fmpy_single=False)
-    states = [n for n in own.names if not n.endswith((".force", ".tension", ".fx", ".fy"))]
-    states = [n for n in states if "multiplier" not in n and "normal" not in n]
-    for column in states:
-        # steps that differ by rounding grow apart to the solver's tolerance at most
-        assert np.max(np.abs(through_fmpy[column] - own[column])) < 1e-8, column
-
-
 def test_scenes_run_as_scripts(tmp_path):
     script = scenarios_directory() / "swaying_parabola.py"
     out = tmp_path / "sway.csv"

@@ -84,7 +84,7 @@ def test_reuse_gives_the_same_bits_as_a_new_instance(name):
     scene = load_scene(name)
     scene.stop_time = 0.3
     path = "bead.bead.angle_start" if name == "bead_on_wire" else "plant.slider.u_start"
-    fresh = [scene.copy().set(path, v).run(fmpy_single=False) for v in (0.2, 0.3)]
+    fresh = [scene.copy().set(path, v).run() for v in (0.2, 0.3)]
     with scene.prepare() as prepared:
         prepared.run()
         for value, expected in zip((0.2, 0.3), fresh, strict=True):

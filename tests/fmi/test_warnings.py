@@ -98,3 +98,48 @@ def test_communication_points_where_nothing_moves_are_no_reason(
 def test_rounding_beside_little_motion_is_no_reason(angle: float, method: str) -> None:
     start = {"solver.method": method, "gravity.y": -1e3, "bead.angle_start": angle}
     assert not warnings("BeadOnWire", start, 100.0, 0.1)
+
+
+def drive_warnings(start: dict[str, Any], step: float) -> list[str]:
+    scene = Scene("warned", stop_time=20 * step, step=step).add("drive", "ParabolaDrive", start)
+    notes = scene.record("drive.parabola.ax").run().notes
+    return [note for note in notes if note.startswith("drive: ")]
+
+
+@pytest.mark.parametrize(
+    ("period", "step", "fits"),
+    [(0.02, 0.015, 0.01), (0.02, 0.05, 0.02), (0.05, 0.02, 0.05 / 3.0), (0.1, 0.07, 0.05)],
+)
+def test_samples_within_a_communication_step_are_told_with_the_step_that_fits(
+    period: float, step: float, fits: float
+) -> None:
+    start = {"feedback.slider_u": 1.0, "sample.period": period}
+    (note,) = drive_warnings(start, step)
+    assert "sample.period" in note
+    advised = float(note.partition("communication steps of ")[2].split()[0])
+    assert advised == pytest.approx(fits)
+    assert not drive_warnings(start, advised)
+
+
+@pytest.mark.parametrize(("period", "step"), [(0.02, 0.02), (0.1, 1 / 30), (1 / 3, 1 / 30)])
+def test_samples_at_communication_points_are_no_reason(period: float, step: float) -> None:
+    assert not drive_warnings({"feedback.slider_u": 1.0, "sample.period": period}, step)
+
+
+def test_a_drive_that_does_nothing_samples_nothing_late() -> None:
+    assert not drive_warnings({"sample.period": 0.02}, 0.015)
+
+
+def test_a_step_of_the_waveform_within_a_communication_step_is_told() -> None:
+    start = {"waveform.kind": "step", "waveform.start_time": 0.5}
+    (note,) = drive_warnings(start, 0.3)
+    assert "end a communication step at 0.5 s" in note
+    assert not drive_warnings(start, 0.25)
+
+
+@pytest.mark.parametrize("kind", ["sine", "chirp"])
+def test_a_waveform_faster_than_its_values_are_held_is_told(kind: str) -> None:
+    start = {"waveform.kind": kind, "waveform.frequency": 3.0, "waveform.end_frequency": 8.0}
+    (note,) = drive_warnings(start, 0.15 if kind == "chirp" else 0.2)
+    assert "above half the rate" in note
+    assert not drive_warnings(start, 0.01)

@@ -77,7 +77,7 @@ def test_all_outputs_agree_with_an_fmu_run_finely_with_everything_on() -> None:
     for fidelity in ("nonlinear", "linear"):
         scene.set("plant.model.fidelity", fidelity)
         scene.recorded = ["*.*"]
-        result = scene.run(fmpy_single=False)
+        result = scene.run()
         skipped = ("solver.", "energy.residual", "acceleration_error")
         paths = [p for p in result.names if not any(word in p for word in skipped)]
         reference = refer(scene.check(), paths)

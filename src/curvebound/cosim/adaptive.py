@@ -24,8 +24,8 @@ import numpy as np
 
 from .algorithms import ORDERS, advance_of
 from .counters import Counters
+from .instance import DISCARD, CallFailed
 from .schedule import Schedule
-from .signals import jumps_of
 
 __all__ = ["adaptive_steps"]
 
@@ -62,8 +62,7 @@ def adaptive_steps(
     # steps end where a table is known to jump: a step across would see the jump late or not at all
     stops = {
         math.ceil((time - begin) / quantum * (1.0 - 1e-12))
-        for function in system.signals.values()
-        for time in jumps_of(function)
+        for time in system.stops
         if begin < time < end
     }
     most = max(2, int(largest / quantum))
@@ -80,14 +79,19 @@ def adaptive_steps(
         t, middle = begin + at * quantum, begin + left * quantum
         reached = end if right == quanta else begin + right * quantum
         saved = schedule.save()
-        advance(t, reached - t)
-        whole = values[places]
-        schedule.restore(saved)
-        advance(t, middle - t)
-        schedule.evaluate(middle)
-        advance(middle, reached - middle)
         counters.trials += 3
-        error = float(np.max(np.abs(values[places] - whole) / divisor)) / (reached - t)
+        try:
+            advance(t, reached - t)
+            whole = values[places]
+            schedule.restore(saved)
+            advance(t, middle - t)
+            schedule.evaluate(middle)
+            advance(middle, reached - middle)
+            error = float(np.max(np.abs(values[places] - whole) / divisor)) / (reached - t)
+        except CallFailed as failed:
+            if failed.status != DISCARD or size <= 2:
+                raise
+            error = math.inf  # a component that cannot make a step of this size
         forced = size <= 2 and not error <= 1.0
         if error <= 1.0 or (forced and math.isfinite(error)):
             schedule.evaluate(reached)

@@ -8,7 +8,7 @@ import shutil
 import tempfile
 import zipfile
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -109,8 +109,9 @@ class Fmu:
 
     `dependencies` maps each output to the inputs that it depends on directly (an output without
     the attribute depends on all of them, FMI 2.0.3, section 2.2.8); `undeclared` are the outputs
-    without it. `initial_dependencies` is the same in initialization mode. `drawing` is that which
-    an FMU of curvebound carries.
+    without it. `initial_dependencies` is the same in initialization mode.
+    start_time, stop_time, step (s) and tolerance are those of its DefaultExperiment; `drawing` is
+    that which an FMU of curvebound carries.
     """
 
     path: Path
@@ -127,8 +128,8 @@ class Fmu:
     start_time: float | None
     stop_time: float | None
     step: float | None
+    tolerance: float | None
     drawing: Drawing | None
-    description: Any = field(repr=False, compare=False)  # fmpy's own object, for simulate_fmu
 
     @property
     def inputs(self) -> list[str]:
@@ -266,8 +267,8 @@ def _load(path: Path) -> Fmu:
         start_time=_number(experiment and experiment.startTime),
         stop_time=_number(experiment and experiment.stopTime),
         step=_number(experiment and experiment.stepSize),
+        tolerance=_number(experiment and experiment.tolerance),
         drawing=_drawing(path),
-        description=md,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import ctypes
+import math
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
@@ -12,10 +13,11 @@ from typing import Any
 from ..errors import CurveboundError
 from .fmu import Fmu, Value, extracted
 
-__all__ = ["CallFailed", "Instance", "Library", "Log", "status_name"]
+__all__ = ["CallFailed", "Ended", "Instance", "Library", "Log", "status_name"]
 
 WARNING, DISCARD, ERROR, FATAL = 1, 2, 3, 4
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+_LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # fmi2StatusKind
 _KEPT = 200  # log messages kept per run: a chatty FMU must not fill the memory
 
 
@@ -33,6 +35,16 @@ class CallFailed(Exception):
         self.function = function
         self.status = status
         self.cause = cause
+
+
+class Ended(Exception):
+    """A component asked to end the simulation: when, in s, and what it said about it."""
+
+    def __init__(self, component: str, time: float, said: str):
+        super().__init__(f"{component} ended the simulation at t = {time:.9g} s")
+        self.component = component
+        self.time = time
+        self.said = said
 
 
 class Log:
@@ -67,10 +79,10 @@ class Log:
         """Forget everything: at the start of a run."""
         self.entries.clear()
 
-    def cause(self, component: str) -> str:
-        """The last thing that `component` said about a failure, or an empty string."""
+    def cause(self, component: str, least: int = DISCARD) -> str:
+        """The last thing that `component` said with a status of `least` or worse, or ''."""
         for name, status, text in reversed(self.entries):
-            if name == component and status > WARNING and text:
+            if name == component and status >= least and text:
                 return text
         return ""
 
@@ -152,22 +164,32 @@ class Instance:
         return status
 
     def fail(self, function: str, status: int) -> None:
-        """Note that a call returned `status` and raise CallFailed with what the FMU said."""
-        self.failed = True
+        """What follows from a call that returned `status`.
+
+        Raises Ended where a discarded step means that the FMU ends the simulation (one that logs an
+        error has failed, whatever it asks for), otherwise CallFailed with what the FMU said.
+        """
+        said = self.log.cause(self.name)
+        discarded = status == DISCARD and not self.log.cause(self.name, ERROR)
+        if discarded and self._status("Boolean", _TERMINATED, c_int(0)):
+            time = self._status("Real", _LAST_SUCCESSFUL_TIME, c_double(math.nan))
+            raise Ended(self.name, float(time), said)
+        self.failed = not discarded
         if status >= FATAL:
             self.alive = False  # nothing may be called any more, fmi2FreeInstance included
-        said = self.log.cause(self.name)
         cause = f"fmi2{function} returned {status_name(status)}" + (f": {said}" if said else "")
-        if status == DISCARD and self._has_terminated():
-            cause += " (the FMU asked to end the simulation)"
+        if discarded:
+            cause += " (it cannot make a step of this size: try a smaller one)"
         raise CallFailed(self.name, "fmi2" + function, status, cause)
 
-    def _has_terminated(self) -> bool:
+    def _status(self, kind: str, what: int, value: Any) -> Any:
+        """An answer of the FMU about its last step; `value`, of the type to ask for, if none."""
         with suppress(Exception):
-            value = c_int(0)
-            function = self.library.function("fmi2GetBooleanStatus")
-            return function(self.pointer, c_int(3), byref(value)) == 0 and bool(value.value)
-        return False
+            answer = type(value)(value.value)
+            ask = self.library.function(f"fmi2Get{kind}Status")
+            if ask(self.pointer, c_int(what), byref(answer)) == 0:
+                return answer.value
+        return value.value
 
     # values, one by one: for set-up only
 

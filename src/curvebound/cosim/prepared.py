@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 
 from ..errors import CurveboundError
 from .adaptive import adaptive_steps
@@ -13,36 +12,19 @@ from .algorithms import advance_of
 from .counters import Counters
 from .exchange import Exchange
 from .fmu import Value, nearest
-from .instance import CallFailed, Instance, Library, Log
+from .instance import CallFailed, Ended, Instance, Library, Log
 from .loops import LoopFailed
+from .points import count_steps, macro_steps
 from .recording import Recording
 from .resolution import resolve
 from .results import Result, RunFailed, RunInterrupted
 from .scene import Scene
 from .schedule import Schedule
 
-__all__ = ["Prepared", "communication_points", "communication_times"]
+__all__ = ["Prepared"]
 
 Progress = Callable[[float], None]
 _BEAT = 0.1  # s of wall time between reports of progress
-
-
-def communication_points(start: float, stop: float, step: float) -> tuple[int, float]:
-    """Number of whole macro steps from start to stop, and the length of a last shorter one (or 0).
-
-    A rest below 1e-9 steps is rounding, and the last step then ends at `stop` all the same.
-    """
-    exact = (stop - start) / step
-    count = math.floor(exact + 1e-9 * max(1.0, exact))
-    rest = stop - (start + count * step)
-    return (count, rest) if rest > 1e-9 * step * max(1.0, exact) else (count, 0.0)
-
-
-def communication_times(scene: Scene) -> list[float]:
-    """Every communication point of a scene with a fixed macro step, in s, the initial one too."""
-    count, rest = communication_points(scene.start_time, scene.stop_time, scene.step)
-    times = [scene.start_time + n * scene.step for n in range(count + 1)]
-    return [*times, scene.stop_time] if rest else times
 
 
 class Prepared:
@@ -93,8 +75,9 @@ class Prepared:
 
         start: start values by path, on top of the scene's, for this run only.
         stop_time, step: instead of the scene's, in s.
-        Raises RunFailed, and RunInterrupted on Ctrl-C, with what was recorded until then; the next
-        run works again.
+        A component that asks to end the simulation ends it; a note says which, and when. Raises
+        RunFailed, and RunInterrupted on Ctrl-C, with what was recorded until then; the next run
+        works again.
         """
         began = clock.perf_counter()
         values = self._start_values(start or {})
@@ -110,43 +93,42 @@ class Prepared:
             raise CurveboundError(
                 f"step is {size} s; give the scene {self.scene.name} a macro step above zero."
             )
-        count, rest = communication_points(begin, end, size)
-        rows = (count // self.scene.record_every) + 3
-        if self.scene.adaptive is not None:
-            rows = 1024
+        every = self.scene.record_every
+        rows = 1024
+        if self.scene.adaptive is None:
+            rows = count_steps(begin, end, size)[0] // every + 3
         recording = Recording(self.system, self.exchange, rows)
         counters = Counters()
         self.log.clear()
+        notes: list[str] = []
         reached = begin
         try:
             schedule = self._ready(values, begin, end)
             stepping = clock.perf_counter()
-            steps: Any
-            if self.scene.adaptive is not None:
-                steps = adaptive_steps(schedule, begin, end, size, counters)
-            else:
-                steps = self._fixed_steps(schedule, begin, size, count, rest, end, counters)
             recording.keep(begin)
             next_beat = stepping + _BEAT
-            every = self.scene.record_every
             kept = True
-            for point, reached in enumerate(steps, 1):
-                kept = every == 1 or point % every == 0
-                if kept:
+            steps = self._steps(schedule, begin, end, size, counters)
+            try:
+                for reached, index in steps:
+                    kept = every == 1 or index % every == 0
+                    if kept:
+                        recording.keep(reached)
+                    if progress is not None and clock.perf_counter() > next_beat:
+                        next_beat = clock.perf_counter() + _BEAT
+                        progress(reached)
+                if not kept:
                     recording.keep(reached)
-                if progress is not None and clock.perf_counter() > next_beat:
-                    next_beat = clock.perf_counter() + _BEAT
-                    progress(reached)
-            if not kept:
-                recording.keep(reached)
+            except Ended as ending:
+                self._keep_last(ending, recording, reached, kept)
+                said = f": {ending.said}" if ending.said else ""
+                notes.append(f"The component {ending}{said}.")
             for instance in self._instances.values():
                 instance.terminate()
         except CallFailed as error:
             failure = (error.component, error.cause)
             raise self._failed(recording, counters, began, reached, *failure) from error
-        except LoopFailed as error:
-            raise self._failed(recording, counters, began, reached, "", str(error)) from error
-        except FloatingPointError as error:
+        except (LoopFailed, FloatingPointError) as error:
             raise self._failed(recording, counters, began, reached, "", str(error)) from error
         except KeyboardInterrupt as error:
             failed = self._failed(recording, counters, began, reached, "", "interrupted")
@@ -155,38 +137,50 @@ class Prepared:
             self._free()
             raise
         result = self._result(recording, counters, began)
+        result.notes += notes
         result.stepping = clock.perf_counter() - stepping
         result.settings["step"] = size
         if progress is not None:
             progress(end)
         return result
 
-    def _fixed_steps(
-        self,
-        schedule: Schedule,
-        begin: float,
-        size: float,
-        count: int,
-        rest: float,
-        end: float,
-        counters: Counters,
-    ) -> Any:
+    def _steps(
+        self, schedule: Schedule, begin: float, end: float, size: float, counters: Counters
+    ) -> Iterator[tuple[float, int]]:
+        """Advance; each communication point reached, evaluated, with the number of its macro step.
+
+        -1 stands for the number of a point at which a jump cuts a macro step.
+        """
+        if self.scene.adaptive is not None:
+            points = adaptive_steps(schedule, begin, end, size, counters)
+            for number, reached in enumerate(points, 1):
+                yield reached, number
+            return
         advance = advance_of(schedule)
         evaluate = schedule.evaluate
-        for n in range(count):
-            # multiples, never sums: rounding does not pile up
-            advance(begin + n * size, size)
-            reached = begin + (n + 1) * size
-            if n + 1 == count and rest == 0.0:
-                reached = end
+        number = 0
+        for time, duration, reached, whole in macro_steps(begin, end, size, self.system.stops):
+            advance(time, duration)
             evaluate(reached)
-            counters.steps = counters.trials = n + 1
-            yield reached
-        if rest:
-            advance(begin + count * size, rest)
-            evaluate(end)
-            counters.steps = counters.trials = count + 1
-            yield end
+            counters.steps += 1
+            counters.trials += 1
+            number += whole
+            yield reached, number if whole else -1
+
+    def _keep_last(self, end: Ended, recording: Recording, reached: float, kept: bool) -> None:
+        """Record where a component ended the simulation, in a scene of one.
+
+        In a scene of several the others have not all reached that time: their last communication
+        point is the last that is consistent.
+        """
+        if len(self._instances) > 1 or self._schedule is None:
+            return
+        if not kept:
+            recording.keep(reached)
+        if end.time > reached:
+            with suppress(CallFailed, Ended):
+                self._schedule.read_all(end.component)
+                recording.keep(end.time)
 
     # set-up
 
@@ -227,7 +221,10 @@ class Prepared:
         if self._schedule is None:
             self._schedule = Schedule(self.system, self.exchange, self._instances)
         for name, instance in self._instances.items():
-            instance.initialize(values[name].items(), self.scene.tolerance, begin, end)
+            tolerance = self.scene.tolerance
+            if tolerance is None:
+                tolerance = self.system.nodes[name].fmu.tolerance
+            instance.initialize(values[name].items(), tolerance, begin, end)
         self._schedule.initialize(begin)
         for instance in self._instances.values():
             instance.call("ExitInitializationMode")
@@ -265,8 +262,8 @@ class Prepared:
         cause: str,
     ) -> RunFailed:
         """Free everything, the sound components terminated before; the error to raise."""
+        self._free()  # before the result: a component may say something at its end
         result = self._result(recording, counters, began)
-        self._free()
         who = f"component {component}: " if component else ""
         message = f"The scene {self.scene.name} failed at t = {time:.6g} s: {who}{cause}"
         result.complete = False

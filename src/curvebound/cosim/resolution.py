@@ -13,7 +13,7 @@ from ..fmi.folder import Folder, find
 from .fmu import Fmu, Value, Variable, nearest, read_fmu
 from .ordering import Ordering
 from .scene import ALGORITHMS, Component, Scene
-from .signals import Signal, signal
+from .signals import Signal, jumps_of, signal
 from .system import Link, Node, Port, System
 from .system import path_of as _path
 
@@ -54,6 +54,7 @@ class _Resolution:
         system = ordering.system(recorded, controlled, self.notes)
         self.problems += ordering.problems
         self._stop()
+        system.stops = self._stops()
         return system
 
     def _stop(self) -> None:
@@ -326,6 +327,27 @@ class _Resolution:
                         f"component {node.name}: {node.fmu.model_name} takes one step size only; "
                         f"make stop_time, {scene.stop_time} s, a multiple of step, {scene.step} s"
                     )
+
+    def _stops(self) -> list[float]:
+        """The jumps of the inputs, at which macro steps end where every component allows that."""
+        scene = self.scene
+        jumps = {
+            time: _path(port)
+            for port, function in self.signals.items()
+            for time in jumps_of(function)
+            if scene.start_time < time < scene.stop_time
+        }
+        rigid = [node.name for node in self.nodes.values() if not node.fmu.can_vary_step]
+        if not rigid:
+            return sorted(jumps)
+        for time, path in sorted(jumps.items()):
+            count = (time - scene.start_time) / scene.step
+            if abs(count - round(count)) > 1e-9 * max(1.0, count):
+                self.notes.append(
+                    f"The jump of {path} at {time:.9g} s acts at the communication point after it, "
+                    f"as {rigid[0]} takes one step size only; a step that divides it is exact."
+                )
+        return []
 
 
 def _locate(source: str | Path, folder: Path | None) -> Path:

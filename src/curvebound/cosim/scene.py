@@ -102,7 +102,8 @@ class Scene:
     adaptive: None for a fixed macro step.
     loop_tolerance: None makes an algebraic loop an error; a number iterates it to this relative
         tolerance at each communication point.
-    tolerance: given to every FMU in fmi2SetupExperiment, or None.
+    tolerance: given to every FMU in fmi2SetupExperiment; None gives each that of its own
+        DefaultExperiment, if it has one.
     record_every: keep each n-th communication point only (and the last).
     needs: error bound per output path, or a Needs.
     """
@@ -186,8 +187,8 @@ class Scene:
 
         value: a number; a function of time in s; a pair (times, values); the path of a CSV file.
         It is evaluated at each communication point and held until the next one.
-        jumps: times in s at which a function jumps: adaptive macro steps end there, as they do
-        where a table gives a time twice; a jump that is not told they see up to a step late.
+        jumps: times in s at which a function jumps: macro steps end there, as they do where a
+        table gives a time twice; a jump that is not told acts up to a step late.
         """
         if path in self.inputs:
             raise CurveboundError(f"{path} is given twice as an input of the scene {self.name}.")
@@ -283,25 +284,14 @@ class Scene:
 
         return Prepared(self)
 
-    def run(
-        self,
-        *,
-        progress: Callable[[float], None] | None = None,
-        fmpy_single: bool = True,
-    ) -> Result:
+    def run(self, *, progress: Callable[[float], None] | None = None) -> Result:
         """Run once and free everything.
 
         progress: called some times a second with the time reached in s.
-        fmpy_single: a scene of one FMU with a fixed step runs through fmpy.simulate_fmu; False
-            runs it on the master too, with the same states: only what an output with direct
-            feedthrough shows where an input of the scene jumps differs, see single.run_single.
         Raises RunFailed, which holds the result up to the failure.
         """
         from .prepared import Prepared
-        from .single import is_single, run_single
 
-        if fmpy_single and is_single(self):
-            return run_single(self, progress=progress)
         with Prepared(self) as prepared:
             return prepared.run(progress=progress)
 

@@ -53,6 +53,7 @@ class Schedule:
                 self._users.setdefault(of, {}).setdefault(level, []).append(name)
         self._with_signals = {port[0] for port in system.signals}
         self._stale: set[str] = set()
+        self._solvers: list[LoopSolver] = []
         self.evaluation = self._evaluation(system.levels, system.loops)
 
     # making sequences
@@ -80,11 +81,12 @@ class Schedule:
                 calls += self.exchange.read(self.instances[name], level)
             for name in by_level[level]:
                 self._changed(name, level)
-            calls += [
+            self._solvers += [
                 self._solver(loop.members, [level])
                 for loop in loops
                 if levels[loop.members[0]] == level
             ]
+            calls += [solver for solver in self._solvers if solver not in calls]
         self._after_evaluation = set(self._stale)
         return calls
 
@@ -112,6 +114,8 @@ class Schedule:
         """
         system, exchange = self.system, self.exchange
         every = sorted(set(system.levels.values()))
+        for solver in self._solvers:
+            solver.begin()
         self._set_signals(time)
         for level in sorted(set(system.initial_levels.values())):
             ports = [port for port, at in system.initial_levels.items() if at == level]
@@ -159,6 +163,11 @@ class Schedule:
         """Read all outputs that are functions of the state alone."""
         for calls in self._states.values():
             self.run(calls)
+
+    def read_all(self, name: str) -> None:
+        """Read every output of one component as it is, its inputs left as they are."""
+        for level in sorted(set(self.system.levels.values())):
+            self.run(self.exchange.read(self.instances[name], level))
 
     def evaluate(self, time: float) -> None:
         """Inputs and outputs of the communication point `time`, consistent with one another."""

@@ -70,7 +70,8 @@ def _table(times: list[float], values: list[float], what: str) -> Signal:
         share = max(0.0, (t - times[i]) / (times[i + 1] - times[i]))
         return values[i] + share * (values[i + 1] - values[i])
 
-    jumps = [a for a, b in pairwise(times) if a == b]
+    pairs = pairwise(zip(times, values, strict=True))
+    jumps = [a for (a, before), (b, after) in pairs if a == b and before != after]
     interpolated.jumps = jumps  # type: ignore[attr-defined]
     return interpolated
 

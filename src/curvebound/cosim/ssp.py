@@ -22,6 +22,7 @@ from xml.etree import ElementTree
 
 from ..files import write_whole
 from .fmu import BASE_UNITS, Value, Variable
+from .points import communication_times
 from .results import as_csv
 from .scene import Scene
 from .system import Port, System
@@ -128,13 +129,16 @@ def _parameter_set(name: str, values: Iterable[tuple[str, Variable, Value]]) -> 
 
 
 def _inputs(system: System) -> bytes:
-    """Every scene input at every communication point."""
-    from .prepared import communication_times
-
-    times = communication_times(system.scene)
-    columns = {"time": times}
+    """Every scene input at every communication point; before and after where one jumps."""
+    scene = system.scene
+    just = 1e-9 * scene.step
+    times = communication_times(scene.start_time, scene.stop_time, scene.step, system.stops)
+    # a time that is written twice is a jump
+    rows = [(t, t) for t in times] + [(t, t - just) for t in system.stops]
+    rows.sort()
+    columns = {"time": [t for t, _ in rows]}
     for port, function in system.signals.items():
-        columns[".".join(port)] = [float(function(t)) for t in times]
+        columns[".".join(port)] = [float(function(at)) for _, at in rows]
     return as_csv(columns).encode()
 
 

@@ -48,6 +48,7 @@ class System:
     components that step later in the same step.
     recorded: outputs to keep, in the order asked for; controlled: outputs whose error the adaptive
     macro step bounds, with their scales.
+    stops: times in s at which inputs are known to jump and macro steps end.
     notes: said once to the user, such as inputs that nothing drives.
     """
 
@@ -64,6 +65,7 @@ class System:
     order: list[str]
     passing: set[str]
     groups: tuple[list[str], list[str]] | None
+    stops: list[float] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     def variable(self, port: Port) -> Variable:

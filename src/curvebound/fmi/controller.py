@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from ..models.base import Law
 from .engine import Engine, System
-from .table import Table
+from .table import WARNING, Table
 
 __all__ = ["Controller", "ControllerEngine"]
 
@@ -18,6 +18,10 @@ class ControllerEngine(Engine):
         self.factory = factory
         self.law: Law = factory()
         super().__init__(table, guid)
+
+    def reset(self) -> None:
+        super().reset()
+        self.said_late: bool = False
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
         law = self.factory()
@@ -39,6 +43,11 @@ class ControllerEngine(Engine):
     def advance(self, duration: float) -> str:
         self.law.keep()
         self.kept = True
+        if not self.said_late:
+            late = self.law.late(self.time, duration)
+            if late:
+                self.said_late = True
+                self.say(WARNING, late)
         self.law.advance(self.time, duration)
         return ""
 

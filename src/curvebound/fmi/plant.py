@@ -23,6 +23,8 @@ from .watch import ENERGY_FRACTION
 __all__ = ["Plant", "PlantEngine"]
 
 _EXACT: Final = METHODS.index("exact") + 1
+#: of an error until the end of a run whose stop time the importer does not tell
+_UNKNOWN_GROWTH: Final = 3.0
 
 
 def substeps(duration: float, step: float, time: float) -> float:
@@ -209,7 +211,7 @@ class PlantEngine(Engine):
         run = self.end - self.begin
         said = watch.energy(
             residual,
-            run / elapsed if 0.0 < elapsed < run < LARGEST else 1.0,
+            max(1.0, run / elapsed) if elapsed > 0.0 and run < LARGEST else _UNKNOWN_GROWTH,
             self.method.ORDER if by_step else 1,
             "solver.step" if by_step else self.tolerance_name(),
             self.step if by_step else self.relative,
@@ -221,14 +223,16 @@ class PlantEngine(Engine):
     def swing(self) -> float:
         """Kinetic energy (J) that the present forces would give, starting at rest.
 
-        They act for as long as they take to change, which the accelerations' Jacobian tells.
+        They act for as long as they take to change, as the accelerations' Jacobian and the natural
+        magnitudes of the coordinates tell.
         """
         model = self.model
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         try:
             a0, a1 = model.acceleration(0.0, q0, q1, 0.0, 0.0)
             j = model.jacobian(0.0, q0, q1, v0, v1)
-            rate = math.sqrt(abs(j[0]) + abs(j[3])) + abs(j[4]) + abs(j[7])
+            squared = abs(j[0]) + abs(j[3]) + abs(a0) / model.q0_scale + abs(a1) / model.q1_scale
+            rate = math.sqrt(squared) + abs(j[4]) + abs(j[7])
             if rate == 0.0:
                 return 0.0
             model.v0 = model.v1 = 0.0

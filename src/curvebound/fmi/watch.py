@@ -24,7 +24,7 @@ ACCELERATION_ERROR: Final = 0.3
 ROUNDING: Final = 1e4
 UNIT_ROUNDOFF: Final = 1.1102230246251565e-16
 #: what the suggested step aims at, as a fraction of the bound
-_AIM: Final = 0.05
+_AIM: Final = 0.3
 #: what keeps a bound, rounded to one digit, above what it has to exceed
 _GENEROUS: Final = 1.5
 #: internal steps between looks: a part of those made so far, and at most so many

@@ -194,6 +194,13 @@ class Law:
         """Make the communication step from `time`."""
         raise NotImplementedError
 
+    def late(self, time: float, duration: float) -> str:
+        """What acts late since it lies within the communication step from `time`, or ''.
+
+        Names the variable, the time it was meant for, and the communication step that would do.
+        """
+        return ""
+
     def observe(self, group: int, values: list[float], first: int) -> None:
         """Write the outputs of one group to values[first + position in OUTPUTS]."""
         raise NotImplementedError

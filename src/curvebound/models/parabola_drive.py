@@ -30,6 +30,8 @@ PERIOD_SLACK: Final = 1e-6
 TIME_SLACK: Final = 1e-14
 #: as much may be missing from waveform.start_time, relative to it
 START_SLACK: Final = 1e-12
+#: part of a waveform's period that is short enough to hold its value
+FINE: Final = 0.02
 #: 2^53: from here on every float is whole
 WHOLE: Final = 9007199254740992.0
 #: 2^-600: a gain and a measurement with this factor each have a product that fits a float
@@ -247,6 +249,51 @@ class ParabolaDrive(Law):
                 self.ay, self.coefficient = self.prescribed(sample)
         self.time = time + duration
         self.at_start = False
+
+    def late(self, time: float, duration: float) -> str:
+        slack = PERIOD_SLACK * duration + TIME_SLACK * (math.fabs(time) + duration)
+        period = self.period
+        if period != 0.0 and self.acts():
+            within = (time + duration - slack) / period
+            if math.fabs(within) < WHOLE:
+                sample = period * (math.floor((time + slack) / period) + 1.0)
+                if sample < time + duration - slack:
+                    fits = period / math.ceil((1.0 - PERIOD_SLACK) * period / duration)
+                    return (
+                        f"sample.period = {period:.6g} s has its sample at {sample:.9g} s within a "
+                        f"communication step, {duration:.6g} s from {time:.9g} s on: it takes the "
+                        "measurements of the step's start and acts from its end on; communication "
+                        f"steps of {fits:.12g} s would meet every sample"
+                    )
+        elif self.kind == STEP and time + slack < self.start_time < time + duration - slack:
+            return (
+                f"waveform.start_time = {self.start_time:.9g} s lies within a communication step, "
+                f"{duration:.6g} s from {time:.9g} s on: the waveform steps at its end; end a "
+                f"communication step at {self.start_time:.9g} s"
+            )
+        held = max(duration, period)
+        frequency = math.fabs(self.present_frequency(time))
+        if frequency * held > 0.5:
+            return (
+                f"the waveform's frequency, {frequency:.6g} Hz at {time:.9g} s, is above half the "
+                f"rate at which its values are held, {held:.6g} s each, and comes out as another; "
+                f"communication steps (and sample.period) of {FINE / frequency:.3g} s would follow"
+            )
+        return ""
+
+    def present_frequency(self, time: float) -> float:
+        """Frequency of the waveform in Hz, 0 where there is none."""
+        if time < self.start_time or self.kind not in (SINE, CHIRP):
+            return 0.0
+        if self.kind == SINE:
+            return self.frequency
+        part = min(1.0, (time - self.start_time) / self.duration)
+        return self.frequency + part * (self.end_frequency - self.frequency)
+
+    def acts(self) -> bool:
+        """Whether any output can vary."""
+        gains = (self.k_u, self.k_u_rate, self.k_angle, self.k_rate, self.k_x, self.k_vx)
+        return self.kind != NO_WAVEFORM or any(k != 0.0 for k in gains)
 
     # -- rollback and saved state ----------------------------------------------------------------
     def get_state(self) -> list[float]:

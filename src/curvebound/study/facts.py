@@ -31,7 +31,7 @@ def _scene(fmu: str, start: Mapping[str, Any], stop: float, step: float, *paths:
 
 
 def _worst(scene: Scene, reference: Any) -> float:
-    result = scene.run(fmpy_single=False)
+    result = scene.run()
     exact = reference.values(result.time)
     return max(float(np.abs(result[path] - exact[path][:, 0]).max()) for path in reference.paths)
 
@@ -71,7 +71,7 @@ def drift_law(
     """
     points = []
     for size in sizes:
-        result = _drift_scene(size, stop, 1.0).run(fmpy_single=False)
+        result = _drift_scene(size, stop, 1.0).run()
         for t in np.geomspace(stop / 30.0, stop, 12):
             i = int(np.argmin(np.abs(result.time - t)))
             drift = -float(result["it.constraint.drift"][i])
@@ -93,7 +93,7 @@ def fall_time(size: float, longest: float = 1500.0, within: float = 0.1) -> floa
     """
     scene = _drift_scene(size, longest, size)
     try:
-        result = scene.run(fmpy_single=False)
+        result = scene.run()
     except RunFailed as error:
         result = error.result
     fallen = np.flatnonzero(result["it.constraint.drift"] < within - 1.0)
@@ -126,7 +126,7 @@ def step_limit(start: Mapping[str, float], above: float = 0.6, below: float = 1e
             size * max(1, round(0.05 / size)), "energy.residual", "energy.total",
         )  # fmt: skip
         try:
-            result = scene.run(fmpy_single=False)
+            result = scene.run()
         except RunFailed:
             return False
         # at rest at the vertex: bob hanging, of 1 kg on 1 m

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..cosim.prepared import communication_points
+from ..cosim.points import communication_times
 from ..errors import CurveboundError
 from .equations import Array, Equations, Witness, system_of
 
@@ -188,13 +188,9 @@ class Monolith:
         """Times after the start, up to `stop`, at which the rates may jump or bend."""
         scene = self.system.scene
         if self.is_sampled:
-            count, rest = communication_points(scene.start_time, stop, scene.step)
-            times = [scene.start_time + n * scene.step for n in range(1, count + 1)]
-            if not rest and times:
-                times[-1] = stop
-            yield from times
-            if rest:
-                yield stop
+            yield from communication_times(scene.start_time, stop, scene.step, self.system.stops)[
+                1:
+            ]
             return
         found = {stop}
         for part in self.laws:

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cosim import RunFailed
-from ..cosim.prepared import Prepared, communication_points
+from ..cosim.points import count_steps
+from ..cosim.prepared import Prepared
 
 if TYPE_CHECKING:
     from ..cosim.fmu import Value
@@ -109,7 +110,7 @@ class Runner:
     ) -> Outcome:
         prepared = self._ready(setting.algorithm, measured)
         values = {**(start or {}), **self.space.start(setting)}
-        points = communication_points(0.0, self.span, setting.step)[0]
+        points = count_steps(0.0, self.span, setting.step)[0]
         prepared.scene.record_every = max(1, math.ceil(points / _KEPT))
         began = clock.process_time()
         failure = ""
