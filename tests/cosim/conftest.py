@@ -23,7 +23,9 @@ def _build(name: str, folder: Path, **options: object) -> Path:
 @pytest.fixture(scope="session")
 def build_fmu(tmp_path_factory: pytest.TempPathFactory):
     """A function that builds one of the small FMUs by its file's name."""
-    return lambda name: _build(name, tmp_path_factory.mktemp(name), needsExecutionTool=False)
+    return lambda name, **options: _build(
+        name, tmp_path_factory.mktemp(name), needsExecutionTool=False, **options
+    )
 
 
 @pytest.fixture(scope="session")

@@ -110,3 +110,41 @@ def test_refusal_names_the_component_that_cannot_roll_back(mass_fmu, gain_fmu):
     scene.connect("block.y", "one.other", 1.0)
     with pytest.raises(CurveboundError, match=r"component block: GainBlock cannot be rolled back"):
         scene.check()
+
+
+@pytest.fixture(scope="module")
+def feedback_fmu(build_fmu):
+    return build_fmu("gain_block", canGetAndSetFMUstate=True)
+
+
+def fed_back(mass_fmu, feedback_fmu, tolerance, algorithm):
+    """x'' = -2 x + (-3 x), the last by a component whose output follows its input directly."""
+    scene = Scene(
+        "fed_back", stop_time=10.0, step=0.01, algorithm=algorithm,
+        adaptive=Adaptive(tolerance=tolerance, scales={"one.v": 1.0}),
+    )  # fmt: skip
+    scene.add("one", mass_fmu, {"k": 1.0, "kc": 1.0, "x_start": 1.0})
+    scene.add("gain", feedback_fmu, {"gain": -3.0})
+    scene.connect("one.x", "gain.u", 1.0).connect("gain.y", "one.other", 1.0)
+    return scene.record("one.x", "one.v")
+
+
+def test_direct_feedback_is_of_second_order_with_midpoint(mass_fmu, feedback_fmu):
+    errors, steps, tolerances = [], [], [1e-2, 1e-3, 1e-4, 1e-5]
+    for tolerance in tolerances:
+        result = fed_back(mass_fmu, feedback_fmu, tolerance, "midpoint").run()
+        errors.append(np.max(np.abs(result["one.x"] - np.cos(math.sqrt(5.0) * result.time))))
+        steps.append(result.steps)
+        assert errors[-1] < 10.0 * tolerance  # the bound is per second, and these are ten
+        assert not any("Direct feedback" in note or "lower bound" in note for note in result.notes)
+    assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] > 0.8
+    assert steps[-1] < 20000
+    assert steps[-1] < 60 * steps[0]
+
+
+def test_first_order_in_direct_feedback_says_so(mass_fmu, feedback_fmu):
+    scene = fed_back(mass_fmu, feedback_fmu, 1e-7, "gauss_seidel")
+    scene.stop_time = 0.05
+    notes = scene.run().notes
+    assert any(n.startswith("Direct feedback around gain, one is of first order") for n in notes)
+    assert any("lower bound" in n and "times as large" in n for n in notes)

@@ -46,6 +46,7 @@ def energy(result):
         ("jacobi", 1, 1.93, 6.2e-3),
         ("gauss_seidel", 1, 0.412, 1.65e-3),
         ("strang", 2, 5.29e-2, 8.2e-7),
+        ("midpoint", 2, 6.46e-2, 8.09e-7),
     ],
 )
 def test_fitted_order(two_masses, algorithm, order, first, last):

@@ -96,7 +96,9 @@ def adaptive_steps(
         if error <= 1.0 or (forced and math.isfinite(error)):
             schedule.evaluate(reached)
             counters.steps += 2
-            counters.forced += forced
+            if forced:
+                counters.forced += 1
+                counters.excess = max(counters.excess, error)
             at = right
             # PI: 0.7 and 0.4 of the exponent that the order gives to an error per unit of time
             error = max(error, 1e-8)

@@ -9,21 +9,21 @@ Sources: Kuebler and Schiehlen, "Two methods of simulator coupling", Math. Compu
 Syst. 6 (2000) 93 (Jacobi and Gauss-Seidel); Busch, "Continuous approximation techniques for
 co-simulation methods", Z. Angew. Math. Mech. 96 (2016) 1061 (their orders with held inputs);
 Strang, "On the construction and comparison of difference schemes", SIAM J. Numer. Anal. 5 (1968)
-506 (symmetric splitting).
+506 (symmetric splitting); Runge, Math. Ann. 46 (1895) 167 (midpoint).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from .schedule import Clock, Schedule
+from .schedule import TRIAL, Clock, Schedule
 
 __all__ = ["ORDERS", "Advance", "advance_of"]
 
 Advance = Callable[[float, float], None]
 """advance(t, H): from a consistent communication point t to t + H, outputs of the states read."""
 
-ORDERS = {"jacobi": 1, "gauss_seidel": 1, "strang": 2}
+ORDERS = {"jacobi": 1, "gauss_seidel": 1, "strang": 2, "midpoint": 2}
 
 
 def advance_of(schedule: Schedule) -> Advance:
@@ -32,6 +32,8 @@ def advance_of(schedule: Schedule) -> Advance:
         algorithm = schedule.system.scene.algorithm
         if algorithm == "strang":
             schedule.advance = _strang(schedule)
+        elif algorithm == "midpoint":
+            schedule.advance = _midpoint(schedule)
         else:
             schedule.advance = _sweep(schedule, passing_on=algorithm == "gauss_seidel")
     return schedule.advance
@@ -82,5 +84,30 @@ def _strang(schedule: Schedule) -> Advance:
         schedule.evaluate(time + size)
         half.set(middle, 0.5 * size)
         schedule.run(steps_first)
+
+    return advance
+
+
+def _midpoint(schedule: Schedule) -> Advance:
+    """The whole step with the inputs of its middle, to which half a step leads: order 2.
+
+    The states go back in between. Inputs that follow a state by direct feedthrough belong to the
+    middle like all others, so that the order holds for direct feedback too. Nothing is conserved.
+    """
+    half, whole = Clock(), Clock()
+    order = schedule.system.order
+    to_middle = schedule.stepping(order, half, passing_on=False)
+    steps = schedule.stepping(order, whole, passing_on=False)
+
+    def advance(time: float, size: float) -> None:
+        saved = schedule.save(TRIAL)
+        half.set(time, 0.5 * size)
+        schedule.run(to_middle)
+        schedule.evaluate(time + 0.5 * size)
+        held = schedule.values()
+        schedule.restore(saved, TRIAL)
+        schedule.hold(held)
+        whole.set(time, size)
+        schedule.run(steps)
 
     return advance

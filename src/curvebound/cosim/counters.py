@@ -8,7 +8,7 @@ __all__ = ["Counters"]
 class Counters:
     """Macro steps of the solution, steps computed to find it, and those taken back.
 
-    forced: steps at their lower bound whose error was above the tolerance.
+    forced: steps at their lower bound whose error was above the tolerance, `excess` times at most.
     """
 
     def __init__(self) -> None:
@@ -16,3 +16,4 @@ class Counters:
         self.trials = 0
         self.rejected = 0
         self.forced = 0
+        self.excess = 0.0

@@ -144,7 +144,7 @@ class Instance:
         self.alive = True
         self.running = False  # between the entry to initialization and terminate
         self.failed = False
-        self._saved = c_void_p()
+        self._saved = [c_void_p(), c_void_p()]
         self._changed: set[str] = set()
         self.slave = copy.copy(library.slave)
         self.slave.instanceName = name
@@ -247,20 +247,24 @@ class Instance:
         self.alive = status < FATAL
         return status <= WARNING
 
-    def save(self) -> None:
-        """Keep the present state for `restore`, in place of the one kept before."""
-        self.forget()
-        self.call("GetFMUstate", byref(self._saved))
+    def save(self, place: int = 0) -> None:
+        """Keep the present state for `restore`, in place of the one kept there before (0 or 1)."""
+        self._free_state(place)
+        self.call("GetFMUstate", byref(self._saved[place]))
 
-    def restore(self) -> None:
-        """Back to the saved state, which stays saved."""
-        self.call("SetFMUstate", self._saved)
+    def restore(self, place: int = 0) -> None:
+        """Back to the state saved in that place, which stays saved."""
+        self.call("SetFMUstate", self._saved[place])
 
     def forget(self) -> None:
-        """Free the saved state."""
-        if self._saved.value and self.alive:
-            self.library.function("fmi2FreeFMUstate")(self.pointer, byref(self._saved))
-        self._saved = c_void_p()
+        """Free the saved states."""
+        for place in range(len(self._saved)):
+            self._free_state(place)
+
+    def _free_state(self, place: int) -> None:
+        if self._saved[place].value and self.alive:
+            self.library.function("fmi2FreeFMUstate")(self.pointer, byref(self._saved[place]))
+        self._saved[place] = c_void_p()
 
     def terminate(self) -> None:
         """End the run; a failed instance may not be asked to."""

@@ -56,6 +56,7 @@ class Ordering:
                 "adaptive macro steps have no output to control: record at least one continuous "
                 "Real output that does not depend directly on an input"
             )
+        self._tell_order(order, edges, notes)
         return System(
             scene=self.scene,
             nodes=self.nodes,
@@ -72,6 +73,21 @@ class Ordering:
             groups=groups,
             notes=notes,
         )
+
+    def _tell_order(
+        self, order: list[str], edges: dict[str, dict[str, bool]], notes: list[str]
+    ) -> None:
+        """Note where adaptive macro steps must be tiny: direct feedback, held, is of order 1."""
+        scene = self.scene
+        if scene.adaptive is None or scene.algorithm == "midpoint":
+            return
+        for group in components({name: list(edges.get(name, ())) for name in order}):
+            if any(edges.get(a, {}).get(b) for a in group for b in group):
+                notes.append(
+                    f"Direct feedback around {', '.join(sorted(group))} is of first order under "
+                    f"{scene.algorithm}: its adaptive macro steps are as short as the tolerance is "
+                    "small; the algorithm midpoint is of second order."
+                )
 
     def _levels(
         self, read: Iterable[Port], *, initial: bool

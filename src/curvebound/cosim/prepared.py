@@ -276,5 +276,6 @@ def _forced(counters: Counters) -> list[str]:
         return []
     return [
         f"{counters.forced} macro steps were at their lower bound with an error above the "
-        "tolerance, as across a jump of an input; lower adaptive.smallest if that is too coarse."
+        f"tolerance, up to {counters.excess:.2g} times as large: name the times at which inputs "
+        "jump, lower adaptive.smallest, or take an algorithm of second order (midpoint, strang)."
     ]

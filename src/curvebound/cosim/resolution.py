@@ -285,12 +285,6 @@ class _Resolution:
             if variable.kind == "Real" and variable.variability == "continuous":
                 controlled.setdefault(port, variable.nominal or 1.0)
         for node in self.nodes.values():
-            if not node.fmu.can_roll_back:
-                self.problems.append(
-                    f"component {node.name}: {node.fmu.model_name} cannot be rolled back "
-                    "(canGetAndSetFMUstate is false), which adaptive macro steps need; "
-                    "run it with a fixed step"
-                )
             if not node.fmu.can_vary_step:
                 self.problems.append(
                     f"component {node.name}: {node.fmu.model_name} takes one step size only "
@@ -319,6 +313,14 @@ class _Resolution:
                     "in a process (canBeInstantiatedOnlyOncePerProcess); use it once"
                 )
         scene = self.scene
+        for node in self.nodes.values() if scene.rolls_back else ():
+            if not node.fmu.can_roll_back:
+                needs = "adaptive macro steps need" if scene.adaptive else "midpoint needs"
+                self.problems.append(
+                    f"component {node.name}: {node.fmu.model_name} cannot be rolled back "
+                    f"(canGetAndSetFMUstate is false), which {needs}; run it with a fixed step and "
+                    "another algorithm"
+                )
         count = (scene.stop_time - scene.start_time) / scene.step
         if abs(count - round(count)) > 1e-9 * max(1.0, count):
             for node in self.nodes.values():

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ALGORITHMS", "Adaptive", "Component", "Connection", "Jumping", "Needs", "Scene"]
 
-ALGORITHMS = ("gauss_seidel", "jacobi", "strang")
+ALGORITHMS = ("gauss_seidel", "jacobi", "strang", "midpoint")
 
 
 @dataclass
@@ -96,7 +96,8 @@ class Scene:
 
     name: one word; description: one line.
     stop_time, start_time, step: in s; `step` is the macro step (the first one when adaptive).
-    algorithm: gauss_seidel (default), jacobi or strang, see curvebound.cosim.algorithms.
+    algorithm: gauss_seidel (default), jacobi, strang or midpoint, see
+        curvebound.cosim.algorithms.
     order: component names in the order in which gauss_seidel steps them (default: derived).
     groups: the two groups of component names of strang (default: derived).
     adaptive: None for a fixed macro step.
@@ -243,6 +244,11 @@ class Scene:
             setattr(self, name, number(value, unit) if isinstance(value, str) else float(value))
         except ValueError as error:
             raise CurveboundError(f"{name}: {error}.") from None
+
+    @property
+    def rolls_back(self) -> bool:
+        """Whether running it takes states back."""
+        return self.adaptive is not None or self.algorithm == "midpoint"
 
     def copy(self, name: str | None = None) -> Scene:
         """An independent scene with the same content."""

@@ -18,7 +18,10 @@ from .instance import Instance
 from .loops import LoopSolver
 from .system import Port, System
 
-__all__ = ["Clock", "Schedule"]
+__all__ = ["TRIAL", "Clock", "Schedule"]
+
+Values = tuple[NDArray[np.float64], NDArray[np.int32]]
+TRIAL = 1  # where a state is saved while another is
 
 
 class Clock:
@@ -187,15 +190,26 @@ class Schedule:
 
     # rollback
 
-    def save(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-        """Save all states within the FMUs; returns the buffers, to be given to `restore`."""
+    def save(self, place: int = 0) -> Values:
+        """Save all states within the FMUs; returns the buffers, to be given to `restore`.
+
+        place: 0, or TRIAL for a state saved while another is.
+        """
         for instance in self.instances.values():
-            instance.save()
+            instance.save(place)
+        return self.values()
+
+    def restore(self, saved: Values, place: int = 0) -> None:
+        """Back to where `save` was called, the inputs included."""
+        for instance in self.instances.values():
+            instance.restore(place)
+        self.hold(saved)
+
+    def values(self) -> Values:
+        """A copy of the buffers."""
         return self.exchange.reals.copy(), self.exchange.others.copy()
 
-    def restore(self, saved: tuple[NDArray[np.float64], NDArray[np.int32]]) -> None:
-        """Back to where `save` was called, the inputs included."""
-        self.exchange.reals[:], self.exchange.others[:] = saved
-        for instance in self.instances.values():
-            instance.restore()
+    def hold(self, values: Values) -> None:
+        """Set the buffers, and every driven input from them."""
+        self.exchange.reals[:], self.exchange.others[:] = values
         self.write_all()

@@ -45,7 +45,7 @@ def tolerances(quick: bool) -> list[float]:
 
 
 def algorithms(scene: Scene) -> list[str]:
-    """The algorithms under which the scene holds together, its own first."""
+    """The algorithms under which the scene holds together, its own first, but for rollback."""
     from ..cosim.scene import ALGORITHMS
     from ..errors import CurveboundError
 
@@ -53,7 +53,7 @@ def algorithms(scene: Scene) -> list[str]:
         return [scene.algorithm]
     found = [scene.algorithm]
     for name in ALGORITHMS:
-        if name == scene.algorithm:
+        if name in (scene.algorithm, "midpoint"):
             continue
         other = scene.copy()
         other.algorithm, other.adaptive = name, None
