@@ -75,6 +75,7 @@ def adaptive_steps(
         size = min(size, limit)
         if limit - size == 1:
             size += 1  # never leave less than a smallest step
+        at_bound = size <= 3  # quanta: the smallest step, or that and what it may not leave
         left, right = at + size // 2, at + size
         t, middle = begin + at * quantum, begin + left * quantum
         reached = end if right == quanta else begin + right * quantum
@@ -89,10 +90,10 @@ def adaptive_steps(
             advance(middle, reached - middle)
             error = float(np.max(np.abs(values[places] - whole) / divisor)) / (reached - t)
         except CallFailed as failed:
-            if failed.status != DISCARD or size <= 2:
+            if failed.status != DISCARD or at_bound:
                 raise
             error = math.inf  # a component that cannot make a step of this size
-        forced = size <= 2 and not error <= 1.0
+        forced = at_bound and not error <= 1.0
         if error <= 1.0 or (forced and math.isfinite(error)):
             schedule.evaluate(reached)
             counters.steps += 2
@@ -113,7 +114,7 @@ def adaptive_steps(
             factor = _SAFETY * error ** (-1.0 / order) if math.isfinite(error) else _SHRINK
             factor = min(factor, 0.9)
             rejected = True
-            if size <= 2:
+            if at_bound:
                 raise FloatingPointError(
                     f"a controlled output is not finite at t = {reached:.6g} s"
                 )
