@@ -100,8 +100,7 @@ class Exchange:
         targets = sorted(targets, key=source)
         places = [source(t) for t in targets]
         plain = all(
-            t in self._link and (self._link[t].factor, self._link[t].offset) == (1.0, 0.0)
-            for t in targets
+            t in self._link and self._link[t].is_plain and self._is_of(group[1], t) for t in targets
         )
         one = len({self._link[t].source[0] for t in targets if t in self._link}) == 1
         if plain and one and places == list(range(places[0], places[0] + len(places))):
@@ -160,14 +159,42 @@ class Exchange:
         self._writes[instance.name] = calls
         return calls
 
+    def _is_of(self, kind: str, target: Port) -> bool:
+        """Whether what drives `target` lies in the array of this kind."""
+        return (self.system.variable(self._link[target].source).kind == "Real") == (kind == "Real")
+
     def _copies(self, kind: str, at: int, targets: list[Port]) -> list[Call]:
+        joined = [(at + i, self._link[t]) for i, t in enumerate(targets) if t in self._link]
         pairs = [
-            (at + i, self.place[self._link[t].source])
-            for i, t in enumerate(targets)
-            if t in self._link
+            (to, self.place[link.source]) for to, link in joined if self._is_of(kind, link.target)
         ]
-        if not pairs or pairs[0][0] == pairs[0][1]:
-            return []
+        calls: list[Call] = []
+        if pairs and pairs[0][0] != pairs[0][1]:
+            calls += self._moves(kind, pairs)
+        others = [
+            (to, self.place[link.source])
+            for to, link in joined
+            if not self._is_of(kind, link.target)
+        ]
+        array = self._array(kind)
+        if others:  # whole numbers into the Real array
+            to, source = np.array(others).T
+            calls.append(_converting(array, to, self.others, source))
+        calls += [_mapping(array, to, link.mapping) for to, link in joined if link.mapping]
+        scaled = [(to, link) for to, link in joined if (link.factor, link.offset) != (1.0, 0.0)]
+        if scaled:
+            calls.append(
+                _scaling(
+                    array,
+                    np.array([to for to, _ in scaled]),
+                    np.array([link.factor for _, link in scaled]),
+                    np.array([link.offset for _, link in scaled]),
+                )
+            )
+        return calls
+
+    def _moves(self, kind: str, pairs: list[tuple[int, int]]) -> list[Call]:
+        """Copies within one array, of (to, from)."""
         array = self._array(kind)
         view = memoryview(array)  # type: ignore[arg-type]
         runs: list[list[int]] = []
@@ -176,25 +203,12 @@ class Exchange:
                 runs[-1][2] += 1
             else:
                 runs.append([to, source, 1])
-        calls: list[Call] = []
         if len(runs) <= _FEW:
-            for to, source, n in runs:
-                part = view[source : source + n]
-                calls.append(partial(view.__setitem__, slice(to, to + n), part))
-        else:
-            calls.append(_gathering(array, [s for _, s in pairs], pairs[0][0]))
-        links = [self._link[t] for t in targets if t in self._link]
-        scaled = [i for i, k in enumerate(links) if (k.factor, k.offset) != (1.0, 0.0)]
-        if scaled:
-            calls.append(
-                _scaling(
-                    array,
-                    np.array([pairs[i][0] for i in scaled]),
-                    np.array([links[i].factor for i in scaled]),
-                    np.array([links[i].offset for i in scaled]),
-                )
-            )
-        return calls
+            return [
+                partial(view.__setitem__, slice(to, to + n), view[source : source + n])
+                for to, source, n in runs
+            ]
+        return [_gathering(array, [s for _, s in pairs], [to for to, _ in pairs])]
 
     def do_step(self, instance: Instance, time: c_double, size: c_double) -> Call:
         """The call that steps this component from `time` by `size`, both read when it is made."""
@@ -230,14 +244,33 @@ class Exchange:
         return setters
 
 
-def _gathering(array: NDArray[Any], sources: list[int], at: int) -> Call:
+def _gathering(array: NDArray[Any], sources: list[int], to: list[int]) -> Call:
     index = np.array(sources)
-    part = array[at : at + len(sources)]
+    if to != list(range(to[0], to[0] + len(to))):
+        return _converting(array, np.array(to), array, index)
+    part = array[to[0] : to[0] + len(to)]
 
     def gather() -> None:
         array.take(index, None, part, "clip")
 
     return gather
+
+
+def _converting(
+    array: NDArray[Any], to: NDArray[Any], other: NDArray[Any], source: NDArray[Any]
+) -> Call:
+    def convert() -> None:
+        array[to] = other[source]
+
+    return convert
+
+
+def _mapping(array: NDArray[Any], to: int, mapping: dict[int, int]) -> Call:
+    def replace() -> None:
+        value = int(array[to])
+        array[to] = mapping.get(value, value)
+
+    return replace
 
 
 def _scaling(

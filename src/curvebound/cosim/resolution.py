@@ -31,7 +31,7 @@ class _Resolution:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.problems: list[str] = []
-        self.notes: list[str] = []
+        self.notes: list[str] = list(scene.notes)
         self.nodes: dict[str, Node] = {}
         self.driven: dict[Port, str] = {}  # input -> what drives it, for messages
         self.links: list[Link] = []
@@ -171,10 +171,11 @@ class _Resolution:
 
     def _connections(self) -> None:
         for connection in self.scene.connections:
-            source = self._port(connection.source, "output", _is_output)
+            source = self._port(connection.source, "output", _is_source)
             target = self._port(connection.target, "input", _is_input)
             if source is not None and target is not None and self._drive(target, _path(source)):
-                self._join(source, target, connection.factor, connection.offset)
+                mapping = dict(connection.mapping) if connection.mapping else None
+                self._join(source, target, connection.factor, connection.offset, mapping)
         for a, b in self.scene.matches:
             missing = [name for name in (a, b) if name not in self.nodes]
             for name in missing:
@@ -197,27 +198,39 @@ class _Resolution:
                 ):
                     self._join((a, name), (b, name), None, 0.0)
 
-    def _join(self, source: Port, target: Port, factor: float | None, offset: float) -> None:
+    def _join(
+        self,
+        source: Port,
+        target: Port,
+        factor: float | None,
+        offset: float,
+        mapping: dict[int, int] | None = None,
+    ) -> None:
         a = self.nodes[source[0]].fmu.variables[source[1]]
         b = self.nodes[target[0]].fmu.variables[target[1]]
         pair = f"{_path(source)} -> {_path(target)}"
-        if a.kind != b.kind or (a.items is None) != (b.items is None):
-            self.problems.append(
-                f"{pair} joins {_kind(a)} to {_kind(b)}; connect variables of one type"
-            )
-            return
-        if a.kind == "String":
+        if "String" in (a.kind, b.kind):
             self.problems.append(f"{pair}: strings cannot be connected; use them as parameters")
             return
-        if a.kind != "Real" and (factor not in (None, 1.0) or offset != 0.0):
-            self.problems.append(f"{pair}: only Real connections take a factor or an offset")
+        if _loses(a, b):
+            self.problems.append(
+                f"{pair} joins {_kind(a)} to {_kind(b)}, which not all values survive; connect "
+                "variables of one type, or whole numbers to Real"
+            )
+            return
+        if b.kind != "Real" and (factor not in (None, 1.0) or offset != 0.0):
+            self.problems.append(f"{pair}: only Real inputs take a factor or an offset")
+            return
+        if mapping and "Real" in (a.kind, b.kind):
+            self.problems.append(f"{pair}: a mapping is between whole numbers; use a factor")
             return
         if factor is None and _units_differ(a, b):
             self.problems.append(
                 f"{pair} joins {a.unit} to {b.unit}; give the factor (and offset) that converts"
             )
             return
-        self.links.append(Link(source, target, 1.0 if factor is None else factor, offset))
+        factor = 1.0 if factor is None else factor
+        self.links.append(Link(source, target, factor, offset, mapping))
 
     def _inputs(self) -> None:
         for path, given in self.scene.inputs.items():
@@ -385,8 +398,14 @@ def _kind(variable: Variable) -> str:
     return "Enumeration" if variable.items is not None else variable.kind
 
 
-def _is_output(variable: Variable) -> bool:
-    return variable.causality == "output"
+def _loses(a: Variable, b: Variable) -> bool:
+    """Whether values of `a` may be lost in `b`; enumerations are whole numbers."""
+    wide = ("Boolean", "Integer", "Real")
+    return wide.index(a.kind) > wide.index(b.kind)
+
+
+def _is_source(variable: Variable) -> bool:
+    return variable.causality in ("output", "calculatedParameter")
 
 
 def _is_input(variable: Variable) -> bool:

@@ -41,12 +41,16 @@ class Component:
 
 @dataclass(frozen=True)
 class Connection:
-    """An output that drives an input: input = factor * output + offset."""
+    """An output that drives an input: input = factor * output + offset.
+
+    Between whole numbers (Integer, Enumeration, Boolean) `mapping` says which become others.
+    """
 
     source: str
     target: str
     factor: float | None = None
     offset: float = 0.0
+    mapping: Mapping[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -145,6 +149,7 @@ class Scene:
         self.inputs: dict[str, SignalLike] = {}
         self.recorded: list[str] = []
         self.variants: dict[str, dict[str, Value]] = {}
+        self.notes: list[str] = []  # said once with every result
         self.folder: Path | None = None  # what relative paths of FMUs and tables start from
 
     # building
@@ -169,13 +174,20 @@ class Scene:
         return self
 
     def connect(
-        self, source: str, target: str, factor: float | None = None, offset: float = 0.0
+        self,
+        source: str,
+        target: str,
+        factor: float | None = None,
+        offset: float = 0.0,
+        mapping: Mapping[int, int] | None = None,
     ) -> Scene:
         """Let the output `source` drive the input `target` (paths component.variable).
 
-        Units must agree; a given factor says that the difference is meant.
+        Units must agree; a given factor says that the difference is meant. Types may differ where
+        no value is lost: Integer and Enumeration in both directions, Boolean to these, all of them
+        to Real. mapping: whole numbers that become others on their way; the rest stay.
         """
-        self.connections.append(Connection(source, target, factor, offset))
+        self.connections.append(Connection(source, target, factor, offset, mapping))
         return self
 
     def connect_matching(self, source: str, target: str) -> Scene:

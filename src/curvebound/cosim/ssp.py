@@ -218,7 +218,9 @@ class _Structure:
                 endElement=link.target[0],
                 endConnector=link.target[1],
             )
-            if (link.factor, link.offset) != (1.0, 0.0):
+            if link.mapping:
+                self._table(connection, link.mapping)
+            elif (link.factor, link.offset) != (1.0, 0.0):
                 connection.set("suppressUnitConversion", "true")
                 _add(
                     connection,
@@ -234,6 +236,11 @@ class _Structure:
                 endElement=port[0],
                 endConnector=port[1],
             )
+
+    def _table(self, connection: ElementTree.Element, mapping: dict[int, int]) -> None:
+        table = _add(connection, "ssc:IntegerMappingTransformation")
+        for source, target in mapping.items():
+            _add(table, "ssc:MapEntry", source=str(source), target=str(target))
 
     def _units(self, root: ElementTree.Element) -> None:
         used: dict[str, tuple[float, ...]] = {}

@@ -1,9 +1,10 @@
 """Scenes from SSP 1.0 packages of FMI 2.0 co-simulation FMUs, ours or anybody's.
 
 Read are nested systems (flattened, their names joined by _), connections through the connectors of
-systems, linear transformations and unit conversions, parameter values and mappings, inline and in
-files, units, and the default experiment. Not read, and refused where they matter: connections
-between parameters of components, references to other packages, signal dictionaries.
+systems, transformations and unit conversions, parameter values and mappings, inline and in files,
+units, and the default experiment. Values that no variable has the name of are ignored, as the
+standard says, with a note. Not read, and refused where they matter: what one component calculates
+as a parameter of another, references to other packages, signal dictionaries.
 
 FMUs none of whose outputs declares dependencies count as having no direct feedthrough: taken to
 the letter of FMI every coupling of two of them would be an algebraic loop.
@@ -16,17 +17,19 @@ import json
 import shutil
 import tempfile
 import zipfile
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from ..errors import CurveboundError
-from .fmu import Fmu, Value, conversion, read_fmu
+from .fmu import Fmu, Value, Variable, conversion, extracted, read_fmu
 from .results import read_csv
 from .scene import Adaptive, Needs, Scene
 from .ssp import ANNOTATION, NAMESPACES
-from .ssp_values import Parameter, bound_values, units_of
+from .ssp_values import Parameter, Transformation, bound_values, units_of
+from .system import Port
 
 __all__ = ["read_ssp"]
 
@@ -74,6 +77,15 @@ def _unpack(path: Path) -> Path:
     return folder
 
 
+class _Join(NamedTuple):
+    """A connection in the direction of its values."""
+
+    source: Port
+    target: Port
+    change: Transformation
+    suppress: bool  # no conversion of units
+
+
 class _Reader:
     def __init__(self, path: Path, folder: Path, root: Element) -> None:
         self.path = path
@@ -84,7 +96,9 @@ class _Reader:
         self.start: dict[str, dict[str, Value]] = {}
         # connectors by owner ("" the top system, names joined by _) and name
         self.kinds: dict[tuple[str, str], str] = {}
-        self.links: list[tuple[tuple[str, str], tuple[str, str], float, float, bool]] = []
+        self.connector_units: dict[tuple[str, str], str] = {}
+        self.links: list[_Join] = []
+        self.notes: list[str] = []
         self.bindings: list[tuple[str, Element, bool]] = []
         self.system_inputs: dict[tuple[str, str], list[tuple[str, str]]] = {}
 
@@ -119,6 +133,7 @@ class _Reader:
             scene.add(name, fmu.path, self.start[name], feedthrough=taken)
         self._connect(scene)
         self._inputs(scene)
+        scene.notes = self.notes
         for (owner, name), kind in self.kinds.items():
             if owner in self.fmus and kind == "output":
                 scene.record(f"{owner}.{name}")
@@ -146,7 +161,11 @@ class _Reader:
 
     def _element(self, element: Element, owner: str, is_component: bool) -> None:
         for connector in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES):
-            self.kinds[owner, connector.get("name", "")] = connector.get("kind", "inout")
+            port = owner, connector.get("name", "")
+            self.kinds[port] = connector.get("kind", "inout")
+            real = connector.find("ssc:Real", NAMESPACES)
+            if real is not None and real.get("unit"):
+                self.connector_units[port] = real.get("unit", "")
         for binding in element.findall("ssd:ParameterBindings/ssd:ParameterBinding", NAMESPACES):
             self.bindings.append((owner, binding, is_component))
 
@@ -189,108 +208,166 @@ class _Reader:
                 "no direction: " + ("both give" if first_gives else "both take") + " a value"
             )
         source, target = (first, second) if first_gives else (second, first)
-        transformation = connection.find("ssc:LinearTransformation", NAMESPACES)
-        factor, offset = 1.0, 0.0
-        if transformation is not None:
-            factor = float(transformation.get("factor", "1"))
-            offset = float(transformation.get("offset", "0"))
-        else:
-            for kind in ("BooleanMapping", "IntegerMapping", "EnumerationMapping"):
-                if connection.find(f"ssc:{kind}Transformation", NAMESPACES) is not None:
-                    raise CurveboundError(
-                        f"{self.path}: a {kind}Transformation of a connection cannot be read"
-                    )
         suppress = connection.get("suppressUnitConversion") in ("true", "1")
-        self.links.append((source, target, factor, offset, suppress))
+        self.links.append(_Join(source, target, Transformation.of(connection), suppress))
 
     def _connect(self, scene: Scene) -> None:
         """Follow each component's input through systems to the output that drives it."""
-        into = {target: (source, f, o, s) for source, target, f, o, s in self.links}
+        into = {join.target: join for join in self.links}
         for target in [t for t in into if t[0] in self.fmus]:
-            if self.kinds[target] == "parameter":
-                self._parameter_link(target, into)
-                continue
             source, factor, offset, suppress = target, 1.0, 0.0, False
+            tables: list[Transformation] = []
             while source in into:
-                source, f, o, s = into[source]
-                factor, offset, suppress = f * factor, o * factor + offset, suppress or s
+                join = into[source]
+                source, change = join.source, join.change
+                factor, offset = change.factor * factor, change.offset * factor + offset
+                suppress = suppress or join.suppress
+                tables += [change] if change.entries else []
             if source[0] not in self.fmus:
                 self.system_inputs.setdefault(source, []).append(target)
                 continue
-            a = self.fmus[source[0]].variables.get(source[1])
-            b = self.fmus[target[0]].variables.get(target[1])
-            given: float | None = factor
-            if a is not None and b is not None and a.dimension and b.dimension and not suppress:
+            if self.kinds[target] == "parameter":
+                raise CurveboundError(
+                    f"{self.path}: {'.'.join(source)} sets the parameter {'.'.join(target)}; "
+                    "what one component calculates cannot be a parameter of another here, "
+                    "give the value instead"
+                )
+            self._join(scene, source, target, factor, offset, suppress, tables)
+
+    def _join(
+        self,
+        scene: Scene,
+        source: Port,
+        target: Port,
+        factor: float,
+        offset: float,
+        suppress: bool,
+        tables: list[Transformation],
+    ) -> None:
+        """Connect an output with an input; units are converted before a transformation."""
+        a = self.fmus[source[0]].variables.get(source[1])
+        b = self.fmus[target[0]].variables.get(target[1])
+        given: float | None = factor
+        mapping = None
+        if a is not None and b is not None:
+            if len(tables) > 1:
+                raise CurveboundError(
+                    f"{self.path}: the connection from {'.'.join(source)} to {'.'.join(target)} "
+                    "is mapped more than once on its way, which cannot be read"
+                )
+            mapping = tables[0].numbers(a, b) if tables else None
+            if a.dimension and b.dimension and not suppress:
                 units = conversion(a.dimension, b.dimension)
                 if units is not None:
                     factor, offset = factor * units[0], offset + factor * units[1]
                     given = factor
                 elif (factor, offset) == (1.0, 0.0):
                     given = None  # let the scene's check complain
-            scene.connect(".".join(source), ".".join(target), given, offset)
-
-    def _parameter_link(self, target: tuple[str, str], into: dict[Any, Any]) -> None:
-        source = target
-        while source in into:
-            source = into[source][0]
-        if source[0] in self.fmus:
-            raise CurveboundError(
-                f"{self.path}: {'.'.join(source)} sets the parameter {'.'.join(target)}; "
-                "parameters cannot be connected here, give the value instead"
-            )
+        scene.connect(".".join(source), ".".join(target), given, offset, mapping)
 
     # values
 
     def _parameters(self) -> None:
         """Apply bindings: inner ones first, so that those of an enclosing system prevail."""
-        outward: dict[tuple[str, str], list[tuple[tuple[str, str], float, float]]] = {}
-        for source, target, factor, offset, _ in self.links:
-            outward.setdefault(source, []).append((target, factor, offset))
+        outward: dict[Port, list[_Join]] = {}
+        for join in self.links:
+            outward.setdefault(join.source, []).append(join)
         ordered = sorted(self.bindings, key=lambda b: (not b[2], -b[0].count("_") if b[0] else 1))
         for owner, binding, is_component in ordered:
-            for parameter in bound_values(binding, self.folder, self.path):
+            folder = self.folder
+            if binding.get("sourceBase") == "component" and is_component:
+                folder = extracted(self.fmus[owner])
+            for parameter in bound_values(binding, folder, self.path):
                 self._apply(owner, parameter, is_component, outward)
 
     def _apply(
-        self, owner: str, parameter: Parameter, is_component: bool, outward: dict[Any, Any]
+        self, owner: str, parameter: Parameter, is_component: bool, outward: dict[Port, list[_Join]]
     ) -> None:
+        """Give a value to all that its name stands for (SSP 1.0, section 5.1.4); or note it."""
         if is_component:
-            self._give(owner, parameter.name, parameter)
+            self._give((owner, parameter.name), parameter)
             return
-        ports = [(owner, parameter.name)]
-        if ports[0] in self.kinds:  # a connector of the system: down to what it is joined to
-            while ports:
-                port = ports.pop()
+        port = (owner, parameter.name)
+        if port in self.kinds:  # a connector of the system: down to what it is joined to
+            unit = parameter.unit or self.connector_units.get(port)
+            following = [(port, replace(parameter, unit=unit))]
+            while following:
+                port, value = following.pop()
                 if port[0] in self.fmus:
-                    self._give(port[0], port[1], parameter)
-                ports += [target for target, _, _ in outward.get(port, ())]
+                    self._give(port, value)
+                for join in outward.get(port, ()):
+                    following.append((join.target, self._behind(join, value)))
             return
         prefix = f"{owner}_" if owner else ""
         words = parameter.name.split(".")
         for n in range(1, len(words)):
             name = prefix + "_".join(words[:n])
             if name in self.fmus:
-                self._give(name, ".".join(words[n:]), parameter)
+                self._give((name, ".".join(words[n:])), parameter)
                 return
-        raise CurveboundError(
-            f"{self.path}: the parameter {parameter.name} of {owner or 'the system'} belongs to "
-            "no component"
+            inner = (name, ".".join(words[n:]))
+            if inner in self.kinds:
+                self._apply(name, replace(parameter, name=inner[1]), False, outward)
+                return
+        self._ignored(parameter, owner or "the system")
+
+    def _ignored(self, parameter: Parameter, owner: str) -> None:
+        self.notes.append(
+            f"The parameter {parameter.name} = {parameter.value} of {owner} is ignored: there is "
+            "no variable of that name."
         )
 
-    def _give(self, component: str, name: str, parameter: Parameter) -> None:
-        variable = self.fmus[component].variables.get(name)
+    def _behind(self, join: _Join, parameter: Parameter) -> Parameter:
+        """A parameter behind a connection: in the unit of its end, then transformed."""
+        variable = self._variable(join.target)
+        of = None if parameter.unit is None else self._unit(parameter, parameter.unit)
+        name = self.connector_units.get(join.target)
+        to = self.units.get(name or "")
+        if variable is not None and variable.dimension:
+            name, to = variable.unit, variable.dimension
+        value, unit = parameter.value, parameter.unit
+        if of is not None and to is not None and not join.suppress:
+            value, unit = self._converted(value, of, to, join.target, parameter.unit, name), name
+        elif join.suppress:
+            unit = None
+        return replace(parameter, value=join.change.applied(value), unit=unit)
+
+    def _variable(self, port: Port) -> Variable | None:
+        fmu = self.fmus.get(port[0])
+        return None if fmu is None else fmu.variables.get(port[1])
+
+    def _unit(self, parameter: Parameter, name: str) -> tuple[float, ...] | None:
+        return parameter.units.get(name) or self.units.get(name)
+
+    def _converted(
+        self,
+        value: Value,
+        of: tuple[float, ...],
+        to: tuple[float, ...],
+        port: Port,
+        unit: str | None,
+        own: str | None,
+    ) -> Value:
+        units = conversion(of, to)
+        if units is None:
+            raise CurveboundError(
+                f"{self.path}: {'.'.join(port)} is given in {unit} and has the unit {own}"
+            )
+        return value if units == (1.0, 0.0) else float(value) * units[0] + units[1]
+
+    def _give(self, port: Port, parameter: Parameter) -> None:
+        variable = self._variable(port)
+        if variable is None:
+            self._ignored(parameter, port[0])
+            return
         value: Value = parameter.value
-        if variable is not None and parameter.unit and variable.dimension:
-            of = parameter.units.get(parameter.unit) or self.units.get(parameter.unit)
-            if of is not None and parameter.unit != variable.unit:
-                units = conversion(of, variable.dimension)
-                if units is None:
-                    raise CurveboundError(
-                        f"{self.path}: {component}.{name} is given in {parameter.unit} and has "
-                        f"the unit {variable.unit}"
-                    )
-                value = float(value) * units[0] + units[1]
-        self.start[component][name] = value
+        if parameter.unit and variable.dimension and parameter.unit != variable.unit:
+            of = self._unit(parameter, parameter.unit)
+            if of is not None:
+                value = self._converted(
+                    value, of, variable.dimension, port, parameter.unit, variable.unit
+                )
+        self.start[port[0]][port[1]] = value
 
     def _inputs(self, scene: Scene) -> None:
         table = self.folder / "resources" / "inputs.csv"

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from ..errors import CurveboundError
-from .fmu import BASE_UNITS, Value
+from .fmu import BASE_UNITS, Value, Variable
 from .ssp import NAMESPACES
 
-__all__ = ["Parameter", "bound_values", "units_of"]
+__all__ = ["Parameter", "Transformation", "bound_values", "units_of"]
 
 Element = ElementTree.Element
 
@@ -24,6 +25,52 @@ class Parameter:
     value: Value
     unit: str | None = None
     units: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+
+class Transformation(NamedTuple):
+    """What a connection or a mapping of parameters makes of a value (SSP 1.0, section 4.5.1).
+
+    entries: source and target of each entry of a table, as written; what is in none stays.
+    """
+
+    factor: float = 1.0
+    offset: float = 0.0
+    entries: tuple[tuple[str, str], ...] = ()
+
+    @classmethod
+    def of(cls, element: Element) -> Transformation:
+        """That of a Connection or MappingEntry."""
+        linear = element.find("ssc:LinearTransformation", NAMESPACES)
+        if linear is not None:
+            return cls(float(linear.get("factor", "1")), float(linear.get("offset", "0")))
+        for kind in ("Boolean", "Integer", "Enumeration"):
+            table = element.find(f"ssc:{kind}MappingTransformation", NAMESPACES)
+            if table is not None:
+                entries = table.findall("ssc:MapEntry", NAMESPACES)
+                return cls(
+                    entries=tuple((e.get("source", ""), e.get("target", "")) for e in entries)
+                )
+        return cls()
+
+    def applied(self, value: Value) -> Value:
+        """The value of a parameter behind it."""
+        if self.entries:
+            word = str(value).lower() if isinstance(value, bool) else str(value)
+            return dict(self.entries).get(word, value)
+        if (self.factor, self.offset) == (1.0, 0.0):
+            return value
+        return self.factor * float(value) + self.offset
+
+    def numbers(self, of: Variable, to: Variable) -> dict[int, int] | None:
+        """Its table as whole numbers, between variables of these types."""
+        pairs = {_number(source, of): _number(target, to) for source, target in self.entries}
+        return pairs or None
+
+
+def _number(text: str, variable: Variable) -> int:
+    if variable.items is not None and text in variable.items:
+        return variable.items[text]
+    return int({"true": "1", "false": "0"}.get(text, text))
 
 
 def units_of(element: Element | None) -> dict[str, tuple[float, ...]]:
@@ -46,7 +93,12 @@ def bound_values(binding: Element, folder: Path, package: Path) -> list[Paramete
         sets = [_parse(folder, source, package)]
     else:
         sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
-    values = [parameter for one in sets for parameter in _values(one)]
+    prefix = binding.get("prefix", "")  # before the names of the source, mapped or not
+    values = [
+        replace(parameter, name=prefix + parameter.name)
+        for one in sets
+        for parameter in _values(one)
+    ]
     for mapping in binding.findall("ssd:ParameterMapping", NAMESPACES):
         file = mapping.get("source")
         entries = (
@@ -56,8 +108,7 @@ def bound_values(binding: Element, folder: Path, package: Path) -> list[Paramete
         )
         if entries is not None:
             values = _mapped(values, entries, package)
-    prefix = binding.get("prefix", "")
-    return [replace(parameter, name=prefix + parameter.name) for parameter in values]
+    return values
 
 
 def _parse(folder: Path, source: str, package: Path) -> Element:
@@ -92,15 +143,9 @@ def _mapped(values: list[Parameter], mapping: Element, package: Path) -> list[Pa
         parameter = by_name.get(entry.get("source", ""))
         if parameter is None:
             continue
-        transformation = entry.find("ssc:LinearTransformation", NAMESPACES)
-        value = parameter.value
+        change = Transformation.of(entry)
+        value = change.applied(parameter.value)
         unit = parameter.unit
-        if transformation is not None:
-            factor = float(transformation.get("factor", "1"))
-            value = factor * float(value) + float(transformation.get("offset", "0"))
-        elif len(entry):
-            kind = entry[0].tag.rpartition("}")[2]
-            raise CurveboundError(f"{package}: a {kind} of a parameter cannot be read")
         if entry.get("suppressUnitConversion") in ("true", "1"):
             unit = None
         mapped.append(replace(parameter, name=entry.get("target", ""), value=value, unit=unit))

@@ -32,12 +32,18 @@ class Node:
 
 @dataclass(frozen=True)
 class Link:
-    """target = factor * source + offset; both are variables of one kind."""
+    """target = factor * source + offset, or what `mapping` makes of a whole number."""
 
     source: Port
     target: Port
     factor: float = 1.0
     offset: float = 0.0
+    mapping: dict[int, int] | None = None
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the target's value is the source's."""
+        return (self.factor, self.offset) == (1.0, 0.0) and not self.mapping
 
 
 @dataclass
