@@ -16,7 +16,7 @@ from lxml import etree
 
 from curvebound.cosim import Adaptive, Needs, Scene, load_scene
 from curvebound.cosim.peers import available, run_peer
-from curvebound.cosim.ssp import write_ssp
+from curvebound.cosim.ssp import in_fmpy, write_ssp
 from curvebound.errors import CurveboundError
 
 SCHEMAS = Path(fmpy.ssp.__file__).parent / "schema"
@@ -292,3 +292,37 @@ def test_the_command_writes_a_package(tmp_path):
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
     assert "3 s simulated" in run.stdout
+    assert "parameter_set=parameters" in done.stdout
+
+
+def test_what_the_command_prints_runs_it_in_fmpy_with_the_scenes_parameters(tmp_path, monkeypatch):
+    """From another start, without which the plant would hang still."""
+    scene = Scene("fall", stop_time=0.5, step=0.01, algorithm="jacobi")
+    scene.add("bead", "BeadOnWire", {"bead.angle_start": 0.7, "model.formulation": "angle"})
+    scene.record("bead.bead.angle")
+    package = write_ssp(scene, tmp_path / "fall.ssp")
+    names = {}
+    exec(in_fmpy(scene, package), names)
+    theirs = names["result"]["bead.bead.angle"]
+    ours = scene.run()["bead.bead.angle"]
+    assert theirs[:49] == pytest.approx(ours[1:50], abs=1e-12)
+
+
+def test_inputs_that_the_scene_drives_are_named_for_fmpy(tmp_path):
+    text = in_fmpy(load_scene("shaken_wire"), tmp_path / "x.ssp")
+    assert "input=inputs" in text
+    assert "bead.wire.ay" in text
+
+
+def test_enumerations_are_declared(build_fmu, tmp_path):
+    """As the schema and the standard want them: of the type of the FMU's variable."""
+    switch = build_fmu("switch")
+    scene = Scene("levels", stop_time=1.0, step=0.5).add("s", switch).add("t", switch)
+    scene.connect("s.chosen", "t.mode").record("t.y")
+    package = write_ssp(scene, tmp_path / "levels.ssp")
+    validate(package)
+    with zipfile.ZipFile(package) as archive:
+        structure = archive.read("SystemStructure.ssd").decode()
+    assert structure.count('ssc:Enumeration name="s.chosen"') == 3  # two uses, one definition
+    assert read_ssd(str(package)).name == "levels"
+    assert load_scene(package).run()["t.y"][-1] == scene.run()["t.y"][-1]

@@ -88,10 +88,8 @@ def _table(title: str, *headings: str) -> Table:
 def _show_fmu(console: Console, fmu: Fmu) -> None:
     from rich.markup import escape
 
-    about = fmu.description.description or ""
-    table = _table(
-        escape(f"{fmu.model_name}: {about}"), "variable", "kind", "unit", "start", "meaning"
-    )
+    title = escape(f"{fmu.model_name}: {fmu.description}")
+    table = _table(title, "variable", "kind", "unit", "start", "meaning")
     for variable in fmu.variables.values():
         table.add_row(
             *map(

@@ -1,5 +1,9 @@
 """Write a scene as an SSP 1.0 package, for other co-simulation tools.
 
+Tools that follow the standard run it with the scene's parameters, which each component is bound to.
+fmpy's simulate_ssp takes them from its argument parameter_set only and runs the FMUs with their
+defaults otherwise: the command prints how to call it.
+
 examples:
   curvebound ssp swaying_parabola --out sway.ssp
   curvebound ssp scenarios/active_damping.py --out damping.ssp --set plant.slider.u_start=1
@@ -29,8 +33,11 @@ def run(options: argparse.Namespace) -> int:
     """Write the package and print its path."""
     from ..cosim import load_scene
     from ..cosim.command import changed
-    from ..cosim.ssp import write_ssp
+    from ..cosim.ssp import in_fmpy, write_ssp
 
     scene = changed(load_scene(options.scene), options)
-    print(write_ssp(scene, options.out or Path(f"{scene.name}.ssp")))
+    path = write_ssp(scene, options.out or Path(f"{scene.name}.ssp"))
+    print(path)
+    print("\nfmpy gives the scene's parameters to its FMUs only if it is told to:\n")
+    print(in_fmpy(scene, path))
     return 0

@@ -116,6 +116,7 @@ class Fmu:
 
     path: Path
     model_name: str
+    description: str
     identifier: str
     guid: str
     variables: dict[str, Variable]
@@ -255,6 +256,7 @@ def _load(path: Path) -> Fmu:
     return Fmu(
         path=path,
         model_name=md.modelName,
+        description=md.description or "",
         identifier=kind.modelIdentifier,
         guid=md.guid,
         variables=variables,

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CurveboundError
-from .ssp import PARAMETER_SET
+from .ssp import PARAMETER_SET, PARAMETERS
 
 __all__ = ["TOOLS", "available", "run_peer"]
 
@@ -65,7 +65,7 @@ def _simulate_ssp(package: Path, step: float, count: int, outputs: Sequence[str]
     from fmpy.ssp.simulation import simulate_ssp
     from fmpy.ssp.ssd import read_ssv
 
-    parameters = read_ssv(str(package), resource="resources/parameters.ssv")
+    parameters = read_ssv(str(package), resource=PARAMETERS)
 
     def timed(n: int) -> tuple[float, Any]:
         began = clock.perf_counter()

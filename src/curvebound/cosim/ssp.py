@@ -27,7 +27,7 @@ from .results import as_csv
 from .scene import Scene
 from .system import Port, System
 
-__all__ = ["ANNOTATION", "NAMESPACES", "PARAMETER_SET", "write_ssp"]
+__all__ = ["ANNOTATION", "NAMESPACES", "PARAMETERS", "PARAMETER_SET", "in_fmpy", "write_ssp"]
 
 _ROOT = "http://ssp-standard.org/SSP1/SystemStructure"
 NAMESPACES = {
@@ -40,6 +40,7 @@ NAMESPACES = {
 }
 ANNOTATION = "curvebound.scene"
 PARAMETER_SET = "initialValues"  # one name for all: ecos is told the name of the set to apply
+PARAMETERS = "resources/parameters.ssv"  # of all components, by path
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # no time in the archive: the same scene gives the same bytes
 
 for _prefix, _uri in NAMESPACES.items():
@@ -65,7 +66,7 @@ def write_ssp(scene: Scene, path: Path | str) -> Path:
         for name, node in system.nodes.items()
         for key, value in node.start.items()
     ]
-    files["resources/parameters.ssv"] = _parameter_set(PARAMETER_SET, every)
+    files[PARAMETERS] = _parameter_set(PARAMETER_SET, every)
     if system.signals:
         files["resources/inputs.csv"] = _inputs(system)
 
@@ -78,6 +79,22 @@ def write_ssp(scene: Scene, path: Path | str) -> Path:
                 archive.writestr(info, files[name])
 
     return write_whole(Path(path), write)
+
+
+def in_fmpy(scene: Scene, path: Path) -> str:
+    """Python that runs the package in fmpy, whose simulate_ssp applies no parameters by itself."""
+    inputs = [".".join(port) for port in scene.check().signals]
+    lines = [
+        "from fmpy.ssp.simulation import simulate_ssp",
+        "from fmpy.ssp.ssd import read_ssv",
+        f'parameters = read_ssv("{path}", "{PARAMETERS}")',
+        f'result = simulate_ssp("{path}", start_time={scene.start_time!r}, '
+        f"stop_time={scene.stop_time!r}, step_size={scene.step!r}, "
+        f"parameter_set=parameters{', input=inputs' if inputs else ''})",
+    ]
+    if inputs:
+        lines.insert(2, f"inputs = {{...}}  # a function of time for each of {', '.join(inputs)}")
+    return "\n".join(lines)
 
 
 def _pack_fmus(system: System, files: dict[str, bytes]) -> dict[str, str]:
@@ -158,6 +175,7 @@ class _Structure:
         for name, variable in system.signals:
             shown[name][variable] = "input"
         self.connectors = shown
+        self.enumerations: dict[tuple[tuple[str, int], ...], str] = {}
 
     def ssd(self) -> bytes:
         """The document."""
@@ -177,6 +195,12 @@ class _Structure:
         for name in self.system.nodes:
             self._component(elements, name)
         self._connections(top)
+        if self.enumerations:
+            enumerations = _add(root, "ssd:Enumerations")
+            for items, name in self.enumerations.items():
+                one = _add(enumerations, "ssc:Enumeration", name=name)
+                for item, value in items:
+                    _add(one, "ssc:Item", name=item, value=str(value))
         self._units(root)
         self._experiment(root)
         return _document(root)
@@ -184,9 +208,16 @@ class _Structure:
     def _connector(self, parent: ElementTree.Element, name: str, kind: str, port: Port) -> None:
         variable = self.system.variable(port)
         connector = _add(parent, "ssd:Connector", name=name, kind=kind)
+        if variable.items is not None:
+            _add(connector, "ssc:Enumeration", name=self._enumeration(port, variable.items))
+            return
         typed = _add(connector, "ssc:" + variable.kind)
         if variable.kind == "Real" and variable.unit and variable.dimension is not None:
             typed.set("unit", variable.unit)
+
+    def _enumeration(self, port: Port, items: dict[str, int]) -> str:
+        """Name of the enumeration with these items: that of the first variable that has it."""
+        return self.enumerations.setdefault(tuple(items.items()), ".".join(port))
 
     def _component(self, elements: ElementTree.Element, name: str) -> None:
         component = _add(
