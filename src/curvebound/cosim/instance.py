@@ -8,7 +8,10 @@ import math
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
+from functools import cache
+from itertools import count
 from typing import Any
+from weakref import WeakValueDictionary
 
 from ..errors import CurveboundError
 from .fmu import Fmu, Value, extracted
@@ -48,7 +51,11 @@ class Ended(Exception):
 
 
 class Log:
-    """Callbacks shared by all instances of a scene: keeps what the FMUs say, by component."""
+    """Callbacks shared by all instances of a scene: keeps what the FMUs say, by component.
+
+    fmpy's library, which puts printf arguments into a message, knows one logger in a process: that
+    is `_hand_on` here, which lives as long, and tells the scenes apart by their environment.
+    """
 
     def __init__(self) -> None:
         from fmpy import calloc, free
@@ -56,21 +63,27 @@ class Log:
             fmi2CallbackAllocateMemoryTYPE,
             fmi2CallbackFreeMemoryTYPE,
             fmi2CallbackFunctions,
-            fmi2CallbackLoggerTYPE,
         )
 
         self.entries: list[tuple[str, int, str]] = []
         self.callbacks = fmi2CallbackFunctions()
-        self.callbacks.logger = fmi2CallbackLoggerTYPE(self.write)
         self.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        with suppress(ImportError, OSError):  # formats printf arguments where there is a binary
+        number = next(_numbers)
+        self.callbacks.componentEnvironment = number
+        _logs[number] = self
+        self._register()
+
+    def _register(self) -> None:
+        """Be the process's logger: another user of fmpy may have become it meanwhile."""
+        self.callbacks.logger = _logger()
+        with suppress(ImportError, OSError):  # where there is a binary of it
             from fmpy.logging import addLoggerProxy
 
             addLoggerProxy(byref(self.callbacks))
 
-    def write(self, _: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
-        """Take a message, as the fmi2CallbackLogger that FMUs and fmpy call."""
+    def write(self, name: bytes, status: int, text: bytes) -> None:
+        """Take a message."""
         entry = (_text(name), int(status), _text(text).strip())
         if status >= WARNING and len(self.entries) < _KEPT and entry not in self.entries:
             self.entries.append(entry)
@@ -78,6 +91,7 @@ class Log:
     def clear(self) -> None:
         """Forget everything: at the start of a run."""
         self.entries.clear()
+        self._register()
 
     def cause(self, component: str, least: int = DISCARD) -> str:
         """The last thing that `component` said with a status of `least` or worse, or ''."""
@@ -89,6 +103,34 @@ class Log:
     def warnings(self) -> list[str]:
         """One line per different warning."""
         return [f"{name}: {text}" for name, status, text in self.entries if status == WARNING]
+
+
+_numbers = count(1)
+_logs: WeakValueDictionary[int, Log] = WeakValueDictionary()
+
+
+@cache
+def _logger() -> Any:
+    """The C function of `_hand_on`, one for the whole process."""
+    from fmpy.fmi2 import fmi2CallbackLoggerTYPE
+
+    return fmi2CallbackLoggerTYPE(_hand_on)
+
+
+def _hand_on(
+    environment: int | None, name: bytes, status: int, category: bytes, text: bytes
+) -> None:
+    """Give a message to the scene that it belongs to, or treat it as fmpy does where there is none.
+
+    An fmi2CallbackLogger.
+    """
+    log = _logs.get(environment or 0)
+    if log is not None:
+        log.write(name, status, text)
+    else:
+        from fmpy.fmi2 import printLogMessage
+
+        printLogMessage(environment, name, status, category, text)
 
 
 def _text(data: bytes | None) -> str:
