@@ -113,14 +113,12 @@ FMU = Fmu(
             "second time derivative of the coefficient",
         ),
     ),
-    reference_start={
-        "waveform.kind": "chirp",
-        "waveform.end_frequency": 3.0,
+    reference_inputs={
+        "pendulum.angle": (0.5, 0.4),
+        "parabola.x": (0.2, 0.3),
         "feedback.pendulum_angle": 10.0,
         "feedback.parabola_x": 2.0,
         "limit.acceleration": 4.0,
-        "sample.period": 0.05,
     },
-    reference_inputs={"pendulum.angle": (0.5, 0.4), "parabola.x": (0.2, 0.3)},
     plotted=("parabola.ax",),
 )

@@ -13,10 +13,11 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from fmpy import extract, read_model_description
+from fmpy import extract, read_csv, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 from curvebound.fmi.binaries import compile_binary, why_not
+from curvebound.fmi.cross_check import write_cross_check
 from curvebound.fmi.folder import names
 
 #: .ci/run waits for its installations before the slow tests
@@ -157,3 +158,21 @@ def test_fmi_sim(expected, name, tmp_path):
         table = list(csv.reader(stream))
     columns = [table[0].index(n) for n in case.names]
     assert [[float(line[c]) for c in columns] for line in table[1:]] == case.rows
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_libcosim_reproduces_the_reference(name, tmp_path):
+    """In the order that the folder states, from the default start values, inside the bounds."""
+    python = tool(TOOLS / "python" / "bin" / "python")
+    folder = write_cross_check(name, tmp_path)
+    reference = read_csv(str(folder / f"{name}_ref.csv"))
+    with open(folder / f"{name}_bounds.csv", newline="") as stream:
+        bounds = dict(list(csv.reader(stream))[1:])
+    names = [n for n in reference.dtype.names if n != "time"]
+    command = [python, HERE / "run_reference_libcosim.py", folder / f"{name}.fmu"]
+    command += [float(reference["time"][1]), folder / f"{name}_in.csv", *names]
+    rows = numbers(run(command, tmp_path))
+    assert len(rows) == len(reference) - 1
+    for i, column in enumerate(names):
+        errors = [abs(row[i] - x) for row, x in zip(rows, reference[column][1:], strict=True)]
+        assert max(errors) <= float(bounds[column]), column

@@ -23,11 +23,18 @@ _README = """\
 
 {name}_ref.csv  outputs of the default experiment at each communication point, integrated to a
                 relative tolerance of {tolerance:g}: the solution of the equations to rounding
-{name}_in.csv   the inputs, to be held constant from each of its times to the next
+{name}_in.csv   the inputs, and tunable parameters that are set like them, to be held constant
+                from each of its times to the next; enumerations by number
 {name}_ref.opt  start and stop time, communication step (s); RelTol is the largest relative bound
 {name}_bounds.csv  for each output the largest error (in its unit) that an importer's result with
                 the FMU's default settings may have: {margin:g} times the error measured there
                 when this folder was written, which is that of rk4 with solver.step = 1e-3 s
+
+Start values are the FMU's defaults. The order at each communication point: read the outputs, set
+the inputs of that time, make the step. The inputs of the first are set in initialization mode too.
+That is the order of fmpy:
+
+    fmpy.simulate_fmu("{name}.fmu", stop_time={stop:g}, output_interval={step:g}{signals})
 """
 
 
@@ -76,6 +83,12 @@ def _write_text(folder: Path, fmu: Fmu, exact: ReferenceResult, bounds: dict[str
     (folder / f"{fmu.name}_bounds.csv").write_text("output,bound\n" + rows)
     (folder / "README.txt").write_text(
         _README.format(
-            name=fmu.name, description=fmu.description, tolerance=TOLERANCE, margin=MARGIN
+            name=fmu.name,
+            description=fmu.description,
+            tolerance=TOLERANCE,
+            margin=MARGIN,
+            stop=fmu.stop_time,
+            step=fmu.step_size,
+            signals=f', input=fmpy.read_csv("{fmu.name}_in.csv")' if fmu.reference_inputs else "",
         )
     )

@@ -125,9 +125,9 @@ class Fmu(NamedTuple):
     variables: tuple[Variable, ...]
     stop_time: float = 10.0
     step_size: float = 0.01
-    #: the reference experiment: start values, inputs as sines (amplitude, Hz), outputs to plot
-    reference_start: dict[str, float | str] = {}
-    reference_inputs: dict[str, tuple[float, float]] = {}
+    #: the reference experiment: what inputs and tunable parameters are, constants (enumerations by
+    #: item name) or sines (amplitude, Hz), and the outputs to plot
+    reference_inputs: dict[str, float | str | tuple[float, float]] = {}
     plotted: tuple[str, ...] = ()
 
     def ordered(self) -> list[Variable]:

@@ -102,15 +102,24 @@ def _page(fmu: Fmu, told: str, result: ReferenceResult) -> str:
 
 def _experiment(fmu: Fmu) -> str:
     text = f"{fmu.stop_time:g} s in communication steps of {fmu.step_size:g} s"
-    if fmu.reference_start:
-        text += " from " + ", ".join(f"{k} = {v}" for k, v in fmu.reference_start.items())
     if fmu.reference_inputs:
-        waves = ", ".join(
-            f"{name} = {amplitude:g} sin(2&pi; {frequency:g} t)"
-            for name, (amplitude, frequency) in fmu.reference_inputs.items()
+        given = ", ".join(
+            f"{name} = {_signal(value)}" for name, value in fmu.reference_inputs.items()
         )
-        text += f', with {waves} (<a href="reference_inputs.csv">reference_inputs.csv</a>)'
+        text += f', with {given} (<a href="reference_inputs.csv">reference_inputs.csv</a>)'
+    text += (
+        " from the default start values. At each communication point the outputs are read, then "
+        "the inputs of that point set and held over the step; those of the first are set in "
+        "initialization mode too"
+    )
     return text + ", integrated to a relative tolerance of 1e-13."
+
+
+def _signal(value: float | str | tuple[float, float]) -> str:
+    if isinstance(value, tuple):
+        amplitude, frequency = value
+        return f"{amplitude:g} sin(2&pi; {frequency:g} t)"
+    return value if isinstance(value, str) else f"{value:g}"
 
 
 def _variables(fmu: Fmu, kinds: tuple[str, ...]) -> str:

@@ -1,7 +1,10 @@
 """The reference result of an FMU: its default experiment, computed as exactly as the kernel can.
 
-Plants are integrated by `adaptive` at a relative tolerance of 1e-13; the inputs are those that the
-declaration names, held from one communication point to the next.
+From the default start values, with the inputs that the declaration names, in the order in which
+fmpy and others call: at each communication point the outputs are read, then the inputs of that
+point are set, and held over the step. (Those of the first are set in initialization mode too.) What
+an output with direct feedthrough shows thus belongs to the inputs of the step that ends there.
+Plants are integrated by `adaptive` at a relative tolerance of 1e-13.
 """
 
 from __future__ import annotations
@@ -30,11 +33,20 @@ class ReferenceResult(NamedTuple):
 
 
 def reference_inputs(fmu: Fmu, time: float) -> dict[str, float]:
-    """The inputs of the reference experiment at `time` (s): sines, given as (amplitude, Hz)."""
-    return {
-        name: amplitude * math.sin(2.0 * math.pi * frequency * time)
-        for name, (amplitude, frequency) in fmu.reference_inputs.items()
-    }
+    """The inputs of the reference experiment at `time` (s); enumerations by number."""
+    return {name: _value(fmu, name, given, time) for name, given in fmu.reference_inputs.items()}
+
+
+def _value(fmu: Fmu, name: str, given: float | str | tuple[float, float], time: float) -> float:
+    if isinstance(given, tuple):
+        amplitude, frequency = given
+        return amplitude * math.sin(2.0 * math.pi * frequency * time)
+    if isinstance(given, str):
+        type_ = next(v.type for v in fmu.variables if v.name == name)
+        if type_ is None:
+            raise RuntimeError(f"{fmu.name}: {name} is no enumeration, and cannot be {given}")
+        return float(type_.number(given))
+    return given
 
 
 def reference_result(fmu: Fmu, *, exact: bool = True) -> ReferenceResult:
@@ -45,33 +57,35 @@ def reference_result(fmu: Fmu, *, exact: bool = True) -> ReferenceResult:
     engine = fmu.system.create(table_of(fmu), "")
     by_name = engine.table.by_name
     choices = {v.name: v for v in fmu.variables if v.kind == CHOICE}
-    for name, value in fmu.reference_start.items():
-        type_ = choices[name].type if name in choices else None
-        if type_ is not None:
-            engine.set_integer([by_name[name]], [type_.number(str(value))])
-        else:
-            engine.set_real([by_name[name]], [float(value)])
     method = choices.get("solver.method")
     if exact and method is not None and method.type is not None:
         engine.set_integer([by_name[method.name]], [method.type.number("adaptive")])
-    engine.setup_experiment(0.0, None, TOLERANCE if exact else None)
-    engine.enter_initialization()
     names = [v.name for v in fmu.ordered() if v.kind == OUTPUT]
     references = [by_name[name] for name in names]
     inputs: dict[str, list[float]] = {"time": [], **{n: [] for n in fmu.reference_inputs}}
     outputs: dict[str, list[float]] = {"time": [], **{n: [] for n in names}}
+
+    def set_inputs(time: float) -> None:
+        for name, x in reference_inputs(fmu, time).items():
+            if name in choices:
+                engine.set_integer([by_name[name]], [int(x)])
+            else:
+                engine.set_real([by_name[name]], [x])
+
+    engine.setup_experiment(0.0, None, TOLERANCE if exact else None)
+    engine.enter_initialization()
+    set_inputs(0.0)
+    engine.exit_initialization()
     count = round(fmu.stop_time / fmu.step_size)
     for i in range(count + 1):
         time = i * fmu.step_size
-        inputs["time"].append(time)
-        for name, x in reference_inputs(fmu, time).items():
-            engine.set_real([by_name[name]], [x])
-            inputs[name].append(x)
-        if i == 0:
-            engine.exit_initialization()
         outputs["time"].append(time)
         for name, x in zip(names, engine.get_real(references), strict=True):
             outputs[name].append(x)
+        inputs["time"].append(time)
+        for name, x in reference_inputs(fmu, time).items():
+            inputs[name].append(x)
+        set_inputs(time)
         if i < count:
             engine.do_step(time, (i + 1) * fmu.step_size - time)
         if engine.queue:

@@ -1,0 +1,81 @@
+"""References that others can reproduce: the cross-check folders, and those inside the FMUs."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from curvebound.fmi.cross_check import write_cross_check
+from curvebound.fmi.folder import find
+
+NAMES = ("BeadOnWire", "ParabolaDrive", "ParabolaPendulum")
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_cross_check(request.param, tmp_path_factory.mktemp("cross"))
+
+
+def simulated(fmu: Path, inputs: Path, options: dict[str, float]) -> np.ndarray:
+    """As the folder's README says, and as anybody would without it."""
+    return fmpy.simulate_fmu(
+        str(fmu),
+        start_time=options["StartTime"],
+        stop_time=options["StopTime"],
+        output_interval=options["StepSize"],
+        input=fmpy.read_csv(str(inputs)),
+    )
+
+
+def options_of(folder: Path) -> dict[str, float]:
+    lines = (folder / f"{folder.name}_ref.opt").read_text().splitlines()
+    return {name: float(value) for name, value in (line.split(", ") for line in lines)}
+
+
+def bounds_of(folder: Path) -> dict[str, float]:
+    rows = (folder / f"{folder.name}_bounds.csv").read_text().splitlines()[1:]
+    return {name.strip('"'): float(bound) for name, bound in (row.split(",") for row in rows)}
+
+
+def check(result: np.ndarray, reference: np.ndarray, bounds: dict[str, float]) -> None:
+    assert len(result) == len(reference)
+    assert np.allclose(result["time"], reference["time"], rtol=0.0, atol=1e-9)
+    for name, bound in bounds.items():
+        assert np.max(np.abs(result[name] - reference[name])) <= bound, name
+
+
+def test_fmpy_is_within_the_bounds_in_every_row(folder: Path) -> None:
+    name = folder.name
+    result = simulated(folder / f"{name}.fmu", folder / f"{name}_in.csv", options_of(folder))
+    check(result, fmpy.read_csv(str(folder / f"{name}_ref.csv")), bounds_of(folder))
+
+
+def test_the_reference_inside_the_fmu_likewise(folder: Path, tmp_path: Path) -> None:
+    fmu = folder / f"{folder.name}.fmu"
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(tmp_path)
+    inside = tmp_path / "documentation"
+    result = simulated(fmu, inside / "reference_inputs.csv", options_of(folder))
+    check(result, fmpy.read_csv(str(inside / "reference.csv")), bounds_of(folder))
+
+
+def test_the_references_show_something(folder: Path) -> None:
+    """At default start values the drive does nothing: its tunable parameters are inputs then."""
+    reference = fmpy.read_csv(str(folder / f"{folder.name}_ref.csv"))
+    plotted = find(folder.name).fmu().plotted
+    assert plotted
+    for name in plotted:
+        assert np.ptp(reference[name]) > 0.1
+
+
+def test_the_folder_states_the_order_and_how_to_run_it(folder: Path) -> None:
+    text = (folder / "README.txt").read_text()
+    assert "read the outputs, set" in text
+    assert "Start values are the FMU's defaults" in text
+    call = re.search(r"fmpy\.simulate_fmu\((.*)\)", text)
+    assert call is not None
