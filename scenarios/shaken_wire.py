@@ -1,9 +1,9 @@
 """A bead on a wire that is shaken up and down at twice the bead's frequency: it is swung up.
 
-The wire's vertical acceleration is an input signal, a function of time given to fmpy as its
-`input`, and held over each communication step (its value half a step later, so that the wire does
-not drift). Shaking at twice the frequency of small swings feeds energy into them (parametric
-resonance) until their frequency has moved away.
+The wire's vertical acceleration is an input signal, a function of time that is held over each
+communication step (its value half a step later, so that the wire does not drift). Shaking at twice
+the frequency of small swings feeds energy into them (parametric resonance) until their frequency has
+moved away.
 """
 
 import math

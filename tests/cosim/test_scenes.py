@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+import re
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
 
 from curvebound.cosim import load_scene, read_csv, scene_names
+from curvebound.cosim.command import summarize
+from curvebound.cosim.instance import Library
 from curvebound.errors import CurveboundError
 from curvebound.places import scenarios_directory
 
@@ -184,3 +188,26 @@ def test_variants_on_the_command_line(tmp_path):
     assert done.returncode == 0, done.stderr
     names = sorted(p.name for p in tmp_path.iterdir())
     assert names == ["s_0.1_s.csv", "s_0.22_s.csv", "s_0.2_s.csv", "s_sampled_feedback.csv"]
+
+
+@pytest.mark.parametrize("name", ["bead_on_wire", "swaying_parabola"])
+def test_what_a_run_costs_is_stated_without_what_it_takes_to_load(name, monkeypatch, capsys):
+    """Of one FMU as of two: a loader that takes a second changes nothing in the cost of a step."""
+    scene = load_scene(name)
+    scene.stop_time = 1.0
+    load = Library.__init__
+
+    def slow(self, fmu):
+        time.sleep(1.0)
+        load(self, fmu)
+
+    monkeypatch.setattr(Library, "__init__", slow)
+    result = scene.run()
+    assert result.wall > 1.0
+    assert result.stepping < 0.5
+    summarize(name, result)
+    said = re.sub(r"\s+", " ", capsys.readouterr().out)
+    stated = re.search(r"simulated in (\S+) s, 100 steps, (\S+) us each", said)
+    assert stated is not None, said
+    assert float(stated[1]) == pytest.approx(result.stepping, rel=0.01)
+    assert float(stated[2]) == pytest.approx(result.stepping / 100 * 1e6, rel=0.01)

@@ -68,9 +68,7 @@ def test_the_references_show_something(folder: Path) -> None:
     """At default start values the drive does nothing: its tunable parameters are inputs then."""
     reference = fmpy.read_csv(str(folder / f"{folder.name}_ref.csv"))
     plotted = find(folder.name).fmu().plotted
-    assert plotted
-    for name in plotted:
-        assert np.ptp(reference[name]) > 0.1
+    assert max(np.ptp(reference[name]) for name in plotted) > 0.1
 
 
 def test_the_folder_states_the_order_and_how_to_run_it(folder: Path) -> None:

@@ -173,7 +173,11 @@ def summarize(label: str, result: Result) -> None:
     if result.trials != result.steps:
         steps += f" ({result.trials} with trials)"
     cost = result.stepping / max(1, result.trials) * 1e6
-    spent = f"{result.time[-1]:.6g} s simulated in {result.wall:.3g} s, {steps}, {cost:.3g} us each"
+    simulated = float(result.time[-1] - result.time[0])
+    spent = (
+        f"{simulated:.6g} s simulated in {result.stepping:.3g} s, {steps}, {cost:.3g} us each"
+        f" (and {result.wall - result.stepping:.3g} s to load and initialize)"
+    )
     console.print(Text.assemble((label, "bold"), ": ", spent), soft_wrap=True)
     for note in result.notes:
         console.print(note, style="dim", markup=False)

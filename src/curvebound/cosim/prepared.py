@@ -123,6 +123,7 @@ class Prepared:
                 self._keep_last(ending, recording, reached, kept)
                 said = f": {ending.said}" if ending.said else ""
                 notes.append(f"The component {ending}{said}.")
+            stepped = clock.perf_counter() - stepping
             for instance in self._instances.values():
                 instance.terminate()
         except CallFailed as error:
@@ -138,7 +139,7 @@ class Prepared:
             raise
         result = self._result(recording, counters, began)
         result.notes += notes
-        result.stepping = clock.perf_counter() - stepping
+        result.stepping = stepped
         result.settings["step"] = size
         if progress is not None:
             progress(end)

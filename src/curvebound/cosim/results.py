@@ -27,7 +27,8 @@ class Result:
 
     data: structured array, shape (points,), columns `time` (s) and `component.variable`, one row
         per recorded communication point, the initial one included.
-    wall: seconds that the run took, set-up included; `stepping` without set-up.
+    wall: seconds that the run took, loading and initialization included; `stepping` those spent
+        between the initial point and the last, recording included.
     steps: macro steps of the solution; `trials` those computed to find it (adaptive only: every
         full and half step, rejected ones included, otherwise equal to `steps`); `rejected` the
         macro steps that were taken back.

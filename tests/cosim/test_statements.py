@@ -1,0 +1,118 @@
+"""What README and scenes say of themselves, sentence by sentence, where no other test does."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from curvebound.cosim import Scene, load_scene
+from curvebound.study.regulator import STATES, linear_model
+
+README = Path(__file__).parents[2] / "README.md"
+
+
+@pytest.fixture(scope="module")
+def example() -> Scene:
+    """The coupled scene of the README, as it stands there."""
+    blocks = re.findall(r"(?ms)^```python\n(.*?)^```$", README.read_text(encoding="utf-8"))
+    (block,) = [text for text in blocks if "connect_matching" in text]
+    names: dict[str, object] = {}
+    exec(block.partition("result =")[0], names)
+    scene = names["scene"]
+    assert isinstance(scene, Scene)
+    return scene
+
+
+def test_the_feedback_of_the_readme_is_a_stable_loop(example):
+    start = example.components["drive"].start
+    row = np.array([[start.get(f"feedback.{name}", 0.0) for name in STATES]])
+    system, column = linear_model()
+    closed = np.linalg.eigvals(system - column @ row)
+    assert np.max(closed.real) < -0.3
+    # sampled at each communication point and held, as the scene does it
+    step, n = example.step, len(system)
+    both = np.zeros((n + 1, n + 1))
+    both[:n, :n], both[:n, n:] = system, column
+    term, held = np.eye(n + 1), np.eye(n + 1)
+    for k in range(1, 20):
+        term = term @ both * (step / k)
+        held += term
+    assert np.max(np.abs(np.linalg.eigvals(held[:n, :n] - held[:n, n:] @ row))) < 1.0
+
+
+def test_the_feedback_of_the_readme_damps_the_pendulum(example):
+    result = example.run()
+    late = result.time > result.time[-1] - 3.0
+    assert abs(result["plant.pendulum.angle"][0]) == 1.0
+    for name in ("pendulum.angle", "slider.u", "parabola.x"):
+        assert np.max(np.abs(result[f"plant.{name}"][late])) < 0.05, name
+    longer = example.copy()
+    longer.stop_time = 60.0
+    assert np.max(np.abs(longer.run()["plant.parabola.x"])) < 5.0
+
+
+def test_a_shaken_bead_is_swung_up_until_its_frequency_has_moved_away():
+    scene = load_scene("shaken_wire")
+    result = scene.run()
+    size = np.abs(result["bead.bead.angle"])
+    assert np.max(size[result.time < 2.0]) < 0.2
+    assert np.max(size) > 0.7
+    assert np.max(size) < math.pi  # no further: large swings are slower
+    assert np.max(np.abs(result["bead.wire.y"])) < 0.11  # 5 cm to either side, and no drift
+
+
+def test_a_swaying_parabola_sways_about_a_point_and_moves_the_pendulum():
+    result = load_scene("swaying_parabola").run()
+    x = result["plant.parabola.x"]
+    middle = 0.5 * (np.max(x) + np.min(x))
+    amplitude = 0.5 / (2.0 * math.pi * 0.35) ** 2
+    assert np.ptp(x) == pytest.approx(2.0 * amplitude, rel=0.01)
+    assert abs(middle) == pytest.approx(amplitude, rel=0.01)  # it starts at a turning point
+    assert np.max(np.abs(result["plant.slider.u"])) > 3.0 * np.ptp(x)
+
+
+def test_projection_keeps_the_bead_on_its_wire_and_nothing_does_not():
+    scene = load_scene("bead_on_wire")
+    kept = scene.run()
+    assert np.max(np.abs(kept["bead.constraint.drift"])) < 1e-15
+    assert np.max(np.abs(kept["bead.energy.residual"])) < 1e-9
+    scene.set("bead.constraint.stabilization", "none").set("bead.solver.step", 1.0 / 60.0)
+    assert np.max(np.abs(scene.run()["bead.constraint.drift"])) > 1e-6
+
+
+def test_started_high_neighbours_part_within_seconds():
+    scene = load_scene("pendulum_large")
+    first = scene.run()["plant.pendulum.angle"]
+    moved = scene.copy().set("plant.pendulum.angle_start", 2.8 + 1e-6)
+    apart = np.abs(moved.run()["plant.pendulum.angle"] - first)
+    assert np.max(apart) > 1e-3
+    linear = scene.copy().set("plant.model.fidelity", "linear")
+    assert np.max(np.abs(linear.run()["plant.pendulum.angle"] - first)) > 1.0
+
+
+def test_the_linear_scene_beats_and_says_how_far_it_is_off():
+    scene = load_scene("pendulum_small")
+    scene.stop_time = 30.0
+    result = scene.run()
+    angle = np.abs(result["plant.pendulum.angle"])
+    heights = [np.max(part) for part in np.array_split(angle, 20)]
+    assert max(heights) > 1.5 * min(heights)
+    assert np.max(result["plant.model.acceleration_error"]) > 0.01
+    exact = scene.copy().set("plant.solver.method", "exact").run()
+    assert np.max(np.abs(exact["plant.energy.residual"])) < 1e-12
+
+
+def test_sampling_quickly_hardly_differs_from_continuous_feedback_and_slowly_swings():
+    scene = load_scene("sampled_feedback")
+    continuous = scene.copy().set("drive.sample.period", 0.0).run()["plant.pendulum.angle"]
+    apart = {
+        period: np.max(np.abs(one.run()["plant.pendulum.angle"] - continuous))
+        for period, one in [(0.02, scene), (0.1, scene.with_variant("0.1 s"))]
+    }
+    size = np.ptp(continuous)
+    assert apart[0.02] < 0.2 * size
+    assert apart[0.1] > 2.0 * apart[0.02]
