@@ -2,8 +2,8 @@
 
 The wire's vertical acceleration is an input signal, a function of time that is held over each
 communication step (its value half a step later, so that the wire does not drift). Shaking at twice
-the frequency of small swings feeds energy into them (parametric resonance) until their frequency has
-moved away.
+the frequency of small swings feeds energy into them (parametric resonance) until their frequency
+has moved away.
 """
 
 import math
