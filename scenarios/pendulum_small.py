@@ -1,6 +1,6 @@
 """A pendulum hung from a mass on a parabola, in the linear model.
 
-The quadratic part of the Lagrangian about rest, whose two normal modes beat. At each moment
+The quadratic part of the Lagrangian about rest: a sum of two normal modes. At each moment
 model.acceleration_error tells how far the linear model is from the full one; solver.method=exact
 makes the run free of integration error.
 """
