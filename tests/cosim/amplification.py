@@ -39,6 +39,14 @@ def masses(algorithm: str, k: tuple[float, float], kc: float, h: float) -> np.nd
         return one + two - np.eye(4)
     if algorithm == "gauss_seidel":
         return two @ one
+    if algorithm == "midpoint":
+        middle = masses("jacobi", k, kc, 0.5 * h)
+        step = np.zeros((4, 4))
+        for own, other, stiffness in ((slice(0, 2), 2, k[0]), (slice(2, 4), 0, k[1])):
+            r, s = held(stiffness, kc, h)
+            step[own, own] = r
+            step[own] += np.outer(s, middle[other])
+        return step
     half = _one(True, k[0], kc, 0.5 * h)
     return half @ two @ half
 

@@ -92,7 +92,8 @@ def _midpoint(schedule: Schedule) -> Advance:
     """The whole step with the inputs of its middle, to which half a step leads: order 2.
 
     The states go back in between. Inputs that follow a state by direct feedthrough belong to the
-    middle like all others, so that the order holds for direct feedback too. Nothing is conserved.
+    middle like all others, so that the order holds for direct feedback too. It conserves nothing:
+    weakly coupled masses are damped a little, stiffly coupled ones amplified.
     """
     half, whole = Clock(), Clock()
     order = schedule.system.order
