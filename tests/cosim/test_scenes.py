@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 
+from curvebound.cli import main as command_line
 from curvebound.cosim import load_scene, read_csv, scene_names
 from curvebound.cosim.command import summarize
 from curvebound.cosim.instance import Library
@@ -211,3 +212,12 @@ def test_what_a_run_costs_is_stated_without_what_it_takes_to_load(name, monkeypa
     assert stated is not None, said
     assert float(stated[1]) == pytest.approx(result.stepping, rel=0.01)
     assert float(stated[2]) == pytest.approx(result.stepping / 100 * 1e6, rel=0.01)
+
+
+def test_any_fmu_that_scenes_take_can_be_listed(mass_fmu, capsys):
+    assert command_line(["list", str(mass_fmu)]) == 0
+    said = capsys.readouterr().out
+    for word in ("CoupledMass", "x_start", "other"):
+        assert word in said
+    assert command_line(["list", str(mass_fmu.with_name("absent.fmu"))]) == 1
+    assert "There is no FMU at" in capsys.readouterr().err

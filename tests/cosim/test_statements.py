@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import Scene, load_scene
+from curvebound.places import fmus_directory
 from curvebound.study.regulator import STATES, linear_model
 
 README = Path(__file__).parents[2] / "README.md"
@@ -119,3 +120,40 @@ def test_sampling_quickly_hardly_differs_from_continuous_feedback_and_slowly_swi
     size = np.ptp(continuous)
     assert apart[0.02] < 0.2 * size
     assert apart[0.1] > 2.0 * apart[0.02]
+
+
+def costs(table: str) -> dict[str, list[float]]:
+    """Numbers of each row of a table of the documentation, by method; infinity for a dash."""
+    rows = re.findall(r"<tr><td>(\w+)(.*?)</tr>", table)
+    cells = {method: re.findall(r'<td class="n">([^<]*)', rest) for method, rest in rows}
+    return {
+        method: [math.inf if "&" in text else float(text) for text in texts]
+        for method, texts in cells.items()
+    }
+
+
+@pytest.mark.parametrize(("name", "first"), [("bead_on_wire", 1), ("parabola_pendulum", 0)])
+def test_adaptive_is_the_cheapest_where_the_documentation_says(name, first):
+    text = (fmus_directory() / name / "documentation.html").read_text(encoding="utf-8")
+    tables = re.findall(r"(?s)<table>.*?</table>", text)
+    assert tables
+    for table in tables:
+        found = costs(table)
+        for column in range(first, 5):
+            best = min(found, key=lambda method: found[method][column])
+            assert best == "adaptive", (column, found)
+        assert 1.5 < found["adaptive"][4] / found["adaptive"][0] < 3.0
+
+
+def test_what_the_readme_teaches_of_methods_is_what_its_table_shows():
+    text = README.read_text(encoding="utf-8")
+    rows = re.findall(
+        r"(?m)^\| .*`rk4`, `adaptive`, `implicit`.*$|^\| .*: the same methods.*$", text
+    )
+    rows += re.findall(r"(?m)^\| pendulum, `nonlinear`, (?:from u|started).*$", text)
+    assert len(rows) == 4
+    for row in rows:
+        low, middle, high = (cell.split(",") for cell in row.strip("| ").split(" | ")[1:])
+        assert 0.7 <= float(low[0]) / float(low[1]) <= 0.8
+        assert float(middle[0]) / float(middle[1]) >= 0.95
+        assert high[0].strip() == "-" or 2.0 <= float(high[0]) / float(high[1]) <= 4.5

@@ -3,11 +3,13 @@
 examples:
   curvebound list
   curvebound list ParabolaDrive
+  curvebound list others/Plant.fmu
 """
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from ..errors import CurveboundError
 
@@ -21,7 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "name",
         nargs="*",
         metavar="NAME",
-        help="only these FMUs, or systems' folders (default: all of ours)",
+        help="only these FMUs, by name, file or system's folder (default: all of ours)",
     )
 
 
@@ -32,7 +34,9 @@ def run(options: argparse.Namespace) -> int:
     from rich.table import Table
 
     from ..cosim import load_scene, scene_names
+    from ..cosim.fmu import read_fmu
     from ..fmi.folder import find, names
+    from .show import show_fmu
 
     console = Console(highlight=False)
     if not options.name:
@@ -45,6 +49,9 @@ def run(options: argparse.Namespace) -> int:
             scenes.add_row(scene, escape(shows))
         console.print(scenes)
     for name in options.name or names():
+        if Path(name).suffix.lower() == ".fmu":
+            show_fmu(console, read_fmu(Path(name)))
+            continue
         fmu = find(name).fmu()
         table = Table(
             "variable", "kind", "unit", "start", title=f"\n{fmu.name}: {fmu.description}",

@@ -49,9 +49,9 @@ def run(options: argparse.Namespace) -> int:
     name: str = options.name
     kind = Path(name).suffix.lower()
     if kind == ".fmu":
-        _show_fmu(console, read_fmu(Path(name)))
+        show_fmu(console, read_fmu(Path(name)))
     elif name in names():
-        _show_fmu(console, _ours(name))
+        show_fmu(console, _ours(name))
     elif kind in (".py", ".ssp") or name in scene_names():
         _show_scene(console, load_scene(name))
     else:
@@ -85,7 +85,8 @@ def _table(title: str, *headings: str) -> Table:
     return table
 
 
-def _show_fmu(console: Console, fmu: Fmu) -> None:
+def show_fmu(console: Console, fmu: Fmu) -> None:
+    """Print the variables of an FMU, ours or any."""
     from rich.markup import escape
 
     title = escape(f"{fmu.model_name}: {fmu.description}")
