@@ -109,4 +109,4 @@ def test_a_library_loaded_again_and_again_leaves_little(bead: Unpacked) -> None:
         text=True,
         timeout=120,
     )
-    assert int(done.stdout) < 4000, done.stderr
+    assert int(done.stdout) < 1500, done.stderr

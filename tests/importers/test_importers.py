@@ -120,6 +120,15 @@ def test_ecospy(expected, name, tmp_path):
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("host", ["pathsim", "cofmupy"])
+def test_python_hosts_that_read_all_outputs_as_reals(expected, host, name, tmp_path):
+    python = tool(TOOLS / host / "bin" / "python")
+    case = expected[name]
+    command = [python, HERE / f"run_{host}.py", case.path, STEP, COUNT, *case.names]
+    assert numbers(run(command, tmp_path)) == case.rows[1:]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_ecos_command_line(expected, name, tmp_path):
     """A process that is not Python; it prints six decimals."""
     tool(TOOLS / "python" / "bin" / "python")

@@ -154,6 +154,10 @@ static fmi2Status move_on(fmi2Component c, const char *function, const char *met
         return fmi2Error;
     Instance *i = slot->object;
     int gil;
+    if (next == TERMINATED && !py.Py_IsInitialized()) { /* the process ends: nothing remains to be done */
+        i->now.phase = next;
+        return done(slot, fmi2OK);
+    }
     if (!enter_python(i, function, &gil))
         return finish(slot, fmi2Error);
     void *result = call_method(i->slave.object, method, NULL, NULL, NULL);
