@@ -33,7 +33,8 @@ static fmi2Status keep(Instance *i, const char *function, void *object, Progress
 {
     State *state = reused ? reused->object : calloc(1, sizeof *state);
     void *old = object;
-    if (reused || (state && (*handle = issue(STATE, state, i->handle)))) {
+    const bool kept = reused || (state && (*handle = issue(STATE, state, i->handle)));
+    if (kept) {
         old = state->object;
         *state = (State){object, progress};
     } else {
@@ -42,7 +43,7 @@ static fmi2Status keep(Instance *i, const char *function, void *object, Progress
     int gil = py.PyGILState_Ensure();
     py.Py_DecRef(old);
     py.PyGILState_Release(gil);
-    return old == object ? refuse(i, "%s: out of memory", function) : fmi2OK;
+    return kept ? fmi2OK : refuse(i, "%s: out of memory", function);
 }
 
 /* The state behind a handle, for this call alone; NULL, with a message, when there is none. */
