@@ -19,6 +19,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import time
 from collections import Counter
@@ -116,7 +117,15 @@ class Trial:
             path.write_text(text, encoding="utf-8")
 
     def _compiles(self, path: Path) -> bool:
-        command = ["cc", "-fsyntax-only", "-w", f"-I{self.copy}/tests/host", str(path)]
+        python = sysconfig.get_path("include")
+        command = [
+            "cc",
+            "-fsyntax-only",
+            "-w",
+            f"-I{self.copy}/tests/host",
+            f"-I{python}",
+            str(path),
+        ]
         return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
     def _run(self, tests: list[str]) -> str:
