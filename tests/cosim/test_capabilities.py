@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from curvebound.cosim import Adaptive, Scene
+from curvebound.cosim.fmu import read_fmu
 from curvebound.errors import CurveboundError
 
 
@@ -18,18 +23,24 @@ def limited(mass_fmu, tmp_path_factory):
     """A function that gives the mass's FMU with one capability changed in its description."""
 
     def make(flag: str, value: str) -> Path:
-        path = tmp_path_factory.mktemp(flag) / "limited.fmu"
-        with zipfile.ZipFile(mass_fmu) as old, zipfile.ZipFile(path, "w") as new:
-            for name in old.namelist():
-                content = old.read(name)
-                if name == "modelDescription.xml":
-                    text = re.sub(rf' {flag}="\w+"', "", content.decode())
-                    text = text.replace("<CoSimulation", f'<CoSimulation {flag}="{value}"')
-                    content = text.encode()
-                new.writestr(name, content)
-        return path
+        def change(text: str) -> str:
+            text = re.sub(rf' {flag}="\w+"', "", text)
+            return text.replace("<CoSimulation", f'<CoSimulation {flag}="{value}"')
+
+        return described(mass_fmu, tmp_path_factory.mktemp(flag) / "limited.fmu", change)
 
     return make
+
+
+def described(fmu: Path, to: Path, change: Callable[[str], str]) -> Path:
+    """An FMU with another description."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(to, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = change(content.decode()).encode()
+            new.writestr(name, content)
+    return to
 
 
 ONE_SIZE = "canHandleVariableCommunicationStepSize"
@@ -72,6 +83,31 @@ def test_an_fmu_that_there_can_be_only_once(limited):
 def test_fmus_that_there_can_be_many_times(limited):
     often = limited("canBeInstantiatedOnlyOncePerProcess", "false")
     Scene("twins", stop_time=1.0, step=0.1).add("one", often).add("two", often).check()
+
+
+def test_an_output_without_declared_dependencies_has_all_inputs(mass_fmu, tmp_path):
+    """FMI 2.0.3, section 2.2.8; declared as none it has none."""
+    declared = read_fmu(mass_fmu)
+    assert declared.dependencies == {"x": (), "v": ()}
+    assert declared.undeclared == frozenset()
+    silent = read_fmu(
+        described(mass_fmu, tmp_path / "a.fmu", lambda text: text.replace(' dependencies=""', ""))
+    )
+    assert silent.dependencies == {"x": ("other",), "v": ("other",)}
+    assert silent.undeclared == {"x", "v"}
+
+
+def test_what_was_unpacked_is_removed_at_the_end_of_the_process(mass_fmu, tmp_path):
+    script = (
+        "import os, pathlib, sys; from curvebound.cosim.fmu import extracted, read_fmu;"
+        "print(len(os.listdir(extracted(read_fmu(pathlib.Path(sys.argv[1]))))))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(mass_fmu)], capture_output=True, text=True, check=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    )  # fmt: skip
+    assert int(done.stdout) >= 3
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("every", [1, 3, 5, 7, 100])
