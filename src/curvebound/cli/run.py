@@ -13,7 +13,7 @@ import argparse
 from pathlib import Path
 
 from ..arguments import file_of
-from ..cosim.command import configure as _configure
+from ..cosim.options import configure as _configure
 
 NAME = "run"
 HELP = "run a scene or an SSP file"

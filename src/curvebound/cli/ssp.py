@@ -14,7 +14,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..cosim.command import configure_changes as _configure_changes
+from ..cosim.options import configure_changes as _configure_changes
 
 NAME = "ssp"
 HELP = "write a scene as an SSP package"
@@ -32,7 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write the package and print its path."""
     from ..cosim import load_scene
-    from ..cosim.command import changed
+    from ..cosim.options import changed
     from ..cosim.ssp import in_fmpy, write_ssp
 
     scene = changed(load_scene(options.scene), options)

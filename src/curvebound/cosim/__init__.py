@@ -9,7 +9,8 @@ if TYPE_CHECKING:
     from .load import load_scene, scene_names
     from .prepared import Prepared
     from .results import Result, RunFailed, RunInterrupted, read_csv, write_csv
-    from .scene import Adaptive, Needs, Scene
+    from .scene import Scene
+    from .scene_data import Adaptive, Needs
 
 __all__ = [
     "Adaptive",
@@ -29,7 +30,8 @@ _HOME = {
     "load": ("load_scene", "scene_names"),
     "prepared": ("Prepared",),
     "results": ("Result", "RunFailed", "RunInterrupted", "read_csv", "write_csv"),
-    "scene": ("Adaptive", "Needs", "Scene"),
+    "scene": ("Scene",),
+    "scene_data": ("Adaptive", "Needs"),
 }
 
 

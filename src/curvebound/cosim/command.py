@@ -1,4 +1,4 @@
-"""Running a scene from a command line: the same options for `curvebound run` and for a script."""
+"""Running a scene from a command line: the same for `curvebound run` and for a script."""
 
 from __future__ import annotations
 
@@ -7,82 +7,15 @@ import sys
 import time as clock
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..arguments import seconds, setting
 from ..errors import CurveboundError
-from .scene import ALGORITHMS, Adaptive, Scene
+from .options import chosen, configure
+from .prepared import Prepared
+from .results import Result, RunFailed, RunInterrupted
+from .scene_data import SceneData
 
-if TYPE_CHECKING:
-    from .results import Result
-
-__all__ = [
-    "Progress",
-    "changed",
-    "chosen",
-    "configure",
-    "configure_changes",
-    "main",
-    "run_all",
-    "summarize",
-]
-
-
-def configure_changes(parser: argparse.ArgumentParser) -> None:
-    """Add the options that change a scene."""
-    parser.add_argument(
-        "--set",
-        metavar="COMPONENT.VARIABLE=VALUE",
-        type=setting,
-        action="append",
-        default=[],
-        help="a start value, also as pi/2 or 90deg; enumerations by item name or number; may be "
-        "repeated",
-    )
-    parser.add_argument("--stop", metavar="T", type=seconds, help="stop time in s")
-    parser.add_argument("--step", metavar="H", type=seconds, help="macro step in s")
-    parser.add_argument("--algorithm", choices=ALGORITHMS, help="how coupled components advance")
-    parser.add_argument(
-        "--adaptive",
-        metavar="TOL",
-        type=float,
-        help="choose the macro step: bound on the relative error per second",
-    )
-    parser.add_argument("--variant", metavar="NAME", help="take this variant of the scene")
-
-
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options that change and run a scene."""
-    configure_changes(parser)
-    parser.add_argument(
-        "--variants", action="store_true", help="run the scene and all its variants"
-    )
-    parser.add_argument("--out", metavar="FILE.csv", type=Path, help="write the result here")
-
-
-def chosen(scene: Scene, options: argparse.Namespace) -> list[tuple[str, Scene]]:
-    """The scenes to run, each with a label: the scene or its variants, changed by the options."""
-    if not options.variants:
-        return [(options.variant or scene.name, changed(scene, options))]
-    scenes = [(scene.name, scene)]
-    scenes += [(name, scene.with_variant(name)) for name in scene.variants]
-    return [(label, changed(one, options)) for label, one in scenes]
-
-
-def changed(scene: Scene, options: argparse.Namespace) -> Scene:
-    """A copy of the scene with the options applied; later ones prevail over a variant."""
-    scene = scene.copy() if options.variant is None else scene.with_variant(options.variant)
-    if options.stop is not None:
-        scene.stop_time = options.stop
-    if options.step is not None:
-        scene.step = options.step
-    if options.algorithm is not None:
-        scene.algorithm = options.algorithm
-    if options.adaptive is not None:
-        scene.adaptive = Adaptive(tolerance=options.adaptive)
-    for path, value in options.set:
-        scene.set(path, value)
-    return scene
+__all__ = ["Progress", "main", "run_all", "summarize"]
 
 
 class Progress:
@@ -125,7 +58,7 @@ class Progress:
 
 
 def run_all(
-    scene: Scene,
+    scene: SceneData,
     options: argparse.Namespace,
     report: Callable[[str, Result], None],
 ) -> list[tuple[str, Result]]:
@@ -133,14 +66,13 @@ def run_all(
 
     A run that fails or is interrupted writes what it has before the error goes on.
     """
-    from .results import RunFailed, RunInterrupted
-
     results = []
     scenes = chosen(scene, options)
     for label, one in scenes:
         with Progress(label, one.start_time, one.stop_time) as progress:
             try:
-                result = one.run(progress=progress)
+                with Prepared(one) as prepared:
+                    result = prepared.run(progress=progress)
             except (RunFailed, RunInterrupted) as error:
                 if options.out is not None and len(error.result.data):
                     written = error.result.write(_file(options.out, label, len(scenes)))
@@ -193,7 +125,7 @@ def summarize(label: str, result: Result) -> None:
     console.print(table)
 
 
-def main(scene: Scene, arguments: Sequence[str] | None = None) -> int:
+def main(scene: SceneData, arguments: Sequence[str] | None = None) -> int:
     """Run `scene` as a script; returns the exit status: 0, 1 failed, 2 wrong usage."""
     parser = argparse.ArgumentParser(description=scene.description)
     configure(parser)

@@ -11,6 +11,7 @@ from ..errors import CurveboundError
 from ..places import scenarios_directory
 from .fmu import nearest
 from .scene import Scene
+from .ssp_read import read_ssp
 
 __all__ = ["load_scene", "scene_names"]
 
@@ -28,8 +29,6 @@ def load_scene(which: str | Path) -> Scene:
     """
     path = Path(which)
     if path.suffix == ".ssp":
-        from .ssp_read import read_ssp
-
         return read_ssp(path)
     if path.suffix != ".py":
         path = scenarios_directory() / f"{which}.py"

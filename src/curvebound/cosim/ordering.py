@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from .graph import Loop, components, levels, stepping_order, two_groups
-from .scene import Scene
+from .scene_data import SceneData
 from .signals import Signal
 from .system import Link, Node, Port, System
 from .system import path_of as _path
@@ -17,7 +17,11 @@ class Ordering:
     """Makes the system of a scene whose names are resolved; `problems` collects what is wrong."""
 
     def __init__(
-        self, scene: Scene, nodes: dict[str, Node], links: list[Link], signals: dict[Port, Signal]
+        self,
+        scene: SceneData,
+        nodes: dict[str, Node],
+        links: list[Link],
+        signals: dict[Port, Signal],
     ) -> None:
         self.scene = scene
         self.nodes = nodes

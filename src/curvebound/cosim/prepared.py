@@ -18,7 +18,7 @@ from .points import count_steps, macro_steps
 from .recording import Recording
 from .resolution import resolve
 from .results import Result, RunFailed, RunInterrupted
-from .scene import Scene
+from .scene_data import SceneData
 from .schedule import Schedule
 
 __all__ = ["Prepared"]
@@ -34,7 +34,7 @@ class Prepared:
     they are freed, and made anew by the next.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneData) -> None:
         self.scene = scene
         self.system = resolve(scene)
         self.log = Log()

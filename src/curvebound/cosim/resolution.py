@@ -12,7 +12,7 @@ from ..errors import CurveboundError
 from ..fmi.folder import Folder, find
 from .fmu import Fmu, Value, Variable, nearest, read_fmu
 from .ordering import Ordering
-from .scene import ALGORITHMS, Component, Scene
+from .scene_data import ALGORITHMS, Component, SceneData
 from .signals import Signal, jumps_of, signal
 from .system import Link, Node, Port, System
 from .system import path_of as _path
@@ -20,7 +20,7 @@ from .system import path_of as _path
 __all__ = ["resolve"]
 
 
-def resolve(scene: Scene) -> System:
+def resolve(scene: SceneData) -> System:
     """Check the whole scene; CurveboundError lists all that is wrong in it."""
     return _Resolution(scene).run()
 
@@ -28,7 +28,7 @@ def resolve(scene: Scene) -> System:
 class _Resolution:
     """Collects problems instead of stopping at the first."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneData) -> None:
         self.scene = scene
         self.problems: list[str] = []
         self.notes: list[str] = list(scene.notes)

@@ -23,8 +23,9 @@ from xml.etree import ElementTree
 from ..files import write_whole
 from .fmu import BASE_UNITS, Value, Variable
 from .points import communication_times
+from .resolution import resolve
 from .results import as_csv
-from .scene import Scene
+from .scene_data import SceneData
 from .system import Port, System
 
 __all__ = ["ANNOTATION", "NAMESPACES", "PARAMETERS", "PARAMETER_SET", "in_fmpy", "write_ssp"]
@@ -47,12 +48,12 @@ for _prefix, _uri in NAMESPACES.items():
     ElementTree.register_namespace(_prefix, _uri)
 
 
-def write_ssp(scene: Scene, path: Path | str) -> Path:
+def write_ssp(scene: SceneData, path: Path | str) -> Path:
     """Write `scene` as an SSP package; the file appears whole or not at all.
 
     Raises CurveboundError with all that is wrong in the scene, or where the file cannot be written.
     """
-    system = scene.check()
+    system = resolve(scene)
     files: dict[str, bytes] = {}
     sources = _pack_fmus(system, files)
     structure = _Structure(system, sources)
@@ -81,9 +82,9 @@ def write_ssp(scene: Scene, path: Path | str) -> Path:
     return write_whole(Path(path), write)
 
 
-def in_fmpy(scene: Scene, path: Path) -> str:
+def in_fmpy(scene: SceneData, path: Path) -> str:
     """Python that runs the package in fmpy, whose simulate_ssp applies no parameters by itself."""
-    inputs = [".".join(port) for port in scene.check().signals]
+    inputs = [".".join(port) for port in resolve(scene).signals]
     lines = [
         "from fmpy.ssp.simulation import simulate_ssp",
         "from fmpy.ssp.ssd import read_ssv",
@@ -311,7 +312,7 @@ class _Structure:
         _add(ours, "cvb:Scene").text = json.dumps(_settings(scene), sort_keys=True)
 
 
-def _settings(scene: Scene) -> dict[str, object]:
+def _settings(scene: SceneData) -> dict[str, object]:
     settings: dict[str, object] = {
         "algorithm": scene.algorithm,
         "step": scene.step,

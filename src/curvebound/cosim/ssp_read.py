@@ -26,7 +26,8 @@ from xml.etree import ElementTree
 from ..errors import CurveboundError
 from .fmu import Fmu, Value, Variable, conversion, extracted, read_fmu
 from .results import read_csv
-from .scene import Adaptive, Needs, Scene
+from .scene import Scene
+from .scene_data import Adaptive, Needs
 from .ssp import ANNOTATION, NAMESPACES
 from .ssp_values import Parameter, Transformation, bound_values, units_of
 from .system import Port

@@ -11,7 +11,7 @@ import numpy as np
 from ..fmi.drawing import Drawing
 from .fmu import Fmu, Value, Variable
 from .graph import Loop
-from .scene import Scene
+from .scene_data import SceneData
 from .signals import Signal
 
 __all__ = ["Link", "Node", "Port", "System", "path_of"]
@@ -58,7 +58,7 @@ class System:
     notes: said once to the user, such as inputs that nothing drives.
     """
 
-    scene: Scene
+    scene: SceneData
     nodes: dict[str, Node]
     links: list[Link]
     signals: dict[Port, Signal]

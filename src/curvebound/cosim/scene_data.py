@@ -1,0 +1,288 @@
+"""A scene as data: which FMUs run, how joined, how long, how, and what it shows and needs."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import CurveboundError
+from ..quantity import number
+from .fmu import Value, nearest
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+    from .signals import SignalLike
+
+__all__ = ["ALGORITHMS", "Adaptive", "Component", "Connection", "Jumping", "Needs", "SceneData"]
+
+ALGORITHMS = ("gauss_seidel", "jacobi", "strang", "midpoint")
+
+
+@dataclass
+class Component:
+    """One FMU in a scene: `source` is the path of an FMU, or a system that is built if need be.
+
+    A system is named by its folder's path, or by name: among those in the folder `systems` beside
+    the scene, or that come with the package. Paths start at the scene's folder.
+    feedthrough: None takes the dependencies that the FMU declares; False says that no output
+    depends directly on an input, a mapping of output to inputs says which do.
+    """
+
+    name: str
+    source: str | Path
+    start: dict[str, Value]
+    feedthrough: Mapping[str, Sequence[str]] | bool | None = None
+
+
+@dataclass(frozen=True)
+class Connection:
+    """An output that drives an input: input = factor * output + offset.
+
+    Between whole numbers (Integer, Enumeration, Boolean) `mapping` says which become others.
+    """
+
+    source: str
+    target: str
+    factor: float | None = None
+    offset: float = 0.0
+    mapping: Mapping[int, int] | None = None
+
+
+@dataclass(frozen=True)
+class Adaptive:
+    """Macro steps chosen by the master, see curvebound.cosim.adaptive.
+
+    tolerance: bound on the estimated error per second of every controlled output, relative to its
+        scale; the error of the result is proportional to it.
+    scales: size that an output's error is measured by, in its unit, by path (missing ones: the
+        declared nominal, else 1). An output named here is controlled in any case.
+    smallest, largest: bounds of the macro step in s (default: step / 1024, a quarter of the run).
+    """
+
+    tolerance: float = 1e-3
+    scales: Mapping[str, float] = field(default_factory=dict)
+    smallest: float | None = None
+    largest: float | None = None
+
+
+@dataclass
+class Needs:
+    """What a scene requires of its settings.
+
+    errors: largest error allowed at any time, by output path, in the output's unit.
+    budget: CPU seconds allowed per simulated second, or None.
+    frame_rate: pictures per simulated second that the recording must allow, in Hz, or None.
+    """
+
+    errors: dict[str, float] = field(default_factory=dict)
+    budget: float | None = None
+    frame_rate: float | None = None
+
+
+@dataclass(frozen=True)
+class Jumping:
+    """A function of time in s that is known to jump at the times `jumps`."""
+
+    function: Callable[[float], float]
+    jumps: Sequence[float]
+
+    def __call__(self, time: float) -> float:
+        return self.function(time)
+
+
+class SceneData:
+    """A scene under construction; nothing is read or checked before it is resolved.
+
+    name: one word; description: one line.
+    stop_time, start_time, step: in s; `step` is the macro step (the first one when adaptive).
+    algorithm: gauss_seidel (default), jacobi, strang or midpoint, see
+        curvebound.cosim.algorithms.
+    order: component names in the order in which gauss_seidel steps them (default: derived).
+    groups: the two groups of component names of strang (default: derived).
+    adaptive: None for a fixed macro step.
+    loop_tolerance: None makes an algebraic loop an error; a number iterates it to this relative
+        tolerance at each communication point.
+    tolerance: given to every FMU in fmi2SetupExperiment; None gives each that of its own
+        DefaultExperiment, if it has one.
+    record_every: keep each n-th communication point only (and the last).
+    needs: error bound per output path, or a Needs.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        description: str = "",
+        *,
+        stop_time: float,
+        step: float,
+        start_time: float = 0.0,
+        algorithm: str = "gauss_seidel",
+        order: Sequence[str] | None = None,
+        groups: tuple[Sequence[str], Sequence[str]] | None = None,
+        adaptive: Adaptive | None = None,
+        loop_tolerance: float | None = None,
+        tolerance: float | None = None,
+        record_every: int = 1,
+        needs: Mapping[str, float] | Needs | None = None,
+    ) -> None:
+        self.name = name
+        self.description = description
+        self.stop_time = stop_time
+        self.step = step
+        self.start_time = start_time
+        self.algorithm = algorithm
+        self.order = list(order) if order is not None else None
+        self.groups = groups
+        self.adaptive = adaptive
+        self.loop_tolerance = loop_tolerance
+        self.tolerance = tolerance
+        self.record_every = record_every
+        self.needs = needs if isinstance(needs, Needs) else Needs(dict(needs or {}))
+        self.components: dict[str, Component] = {}
+        self.connections: list[Connection] = []
+        self.matches: list[tuple[str, str]] = []
+        self.inputs: dict[str, SignalLike] = {}
+        self.recorded: list[str] = []
+        self.variants: dict[str, dict[str, Value]] = {}
+        self.notes: list[str] = []  # said once with every result
+        self.folder: Path | None = None  # what relative paths of FMUs and tables start from
+
+    # building
+
+    def add(
+        self,
+        name: str,
+        source: str | Path,
+        start: Mapping[str, Value] | None = None,
+        *,
+        feedthrough: Mapping[str, Sequence[str]] | bool | None = None,
+    ) -> Self:
+        """Add a component; start values by variable name, enumerations by item name or number."""
+        if not name or "." in name:
+            raise CurveboundError(
+                f"The component name {name!r} must be a word without a dot: "
+                "what follows the first dot of a path is the FMU's variable."
+            )
+        if name in self.components:
+            raise CurveboundError(f"The scene {self.name} has a component {name} already.")
+        self.components[name] = Component(name, source, dict(start or {}), feedthrough)
+        return self
+
+    def connect(
+        self,
+        source: str,
+        target: str,
+        factor: float | None = None,
+        offset: float = 0.0,
+        mapping: Mapping[int, int] | None = None,
+    ) -> Self:
+        """Let the output `source` drive the input `target` (paths component.variable).
+
+        Units must agree; a given factor says that the difference is meant. Types may differ where
+        no value is lost: Integer and Enumeration in both directions, Boolean to these, all of them
+        to Real. mapping: whole numbers that become others on their way; the rest stay.
+        """
+        self.connections.append(Connection(source, target, factor, offset, mapping))
+        return self
+
+    def connect_matching(self, source: str, target: str) -> Self:
+        """Connect every output of component `source` to the equally named input of `target`."""
+        self.matches.append((source, target))
+        return self
+
+    def input(self, path: str, value: SignalLike, jumps: Sequence[float] = ()) -> Self:
+        """Drive an input, or a tunable parameter, from the scene.
+
+        value: a number; a function of time in s; a pair (times, values); the path of a CSV file.
+        It is evaluated at each communication point and held until the next one.
+        jumps: times in s at which a function jumps: macro steps end there, as they do where a
+        table gives a time twice; a jump that is not told acts up to a step late.
+        """
+        if path in self.inputs:
+            raise CurveboundError(f"{path} is given twice as an input of the scene {self.name}.")
+        if jumps and callable(value):
+            value = Jumping(value, list(jumps))
+        self.inputs[path] = value
+        return self
+
+    def record(self, *paths: str) -> Self:
+        """Record outputs by path; * stands for any part of a variable's name.
+
+        Without any call the outputs that the scene needs are recorded, or else all of them.
+        """
+        self.recorded.extend(paths)
+        return self
+
+    def variant(self, name: str, values: Mapping[str, Value]) -> Self:
+        """Name other settings under which the scene is worth running, as for `set`."""
+        self.variants[name] = dict(values)
+        return self
+
+    # changing
+
+    def set(self, path: str, value: Value) -> Self:
+        """Change a start value by its path, or step, stop_time, algorithm, tolerance by name."""
+        component, dot, variable = path.partition(".")
+        if not dot:
+            self._set_own(path, value)
+        elif component not in self.components:
+            raise CurveboundError(
+                f"{path}: the scene {self.name} has no component {component}; "
+                + nearest(component, self.components)
+            )
+        elif path in self.inputs and not callable(self.inputs[path]):
+            self.inputs[path] = value
+        else:
+            self.components[component].start[variable] = value
+        return self
+
+    def _set_own(self, name: str, value: Value) -> None:
+        own = ("step", "stop_time", "start_time", "tolerance", "loop_tolerance", "algorithm")
+        if name not in own:
+            raise CurveboundError(
+                f"{name} is neither a path component.variable nor a setting of the scene; "
+                + nearest(name, [*own, *self.components])
+            )
+        if name == "algorithm":
+            self.algorithm = str(value)
+            return
+        try:
+            unit = "1" if name.endswith("tolerance") else "s"
+            setattr(self, name, number(value, unit) if isinstance(value, str) else float(value))
+        except ValueError as error:
+            raise CurveboundError(f"{name}: {error}.") from None
+
+    @property
+    def rolls_back(self) -> bool:
+        """Whether running it takes states back."""
+        return self.adaptive is not None or self.algorithm == "midpoint"
+
+    def copy(self, name: str | None = None) -> Self:
+        """An independent scene with the same content."""
+        other = copy.copy(self)
+        other.name = name or self.name
+        other.components = {k: copy.copy(c) for k, c in self.components.items()}
+        for component in other.components.values():
+            component.start = dict(component.start)
+        other.connections = list(self.connections)
+        other.matches = list(self.matches)
+        other.inputs = dict(self.inputs)
+        other.recorded = list(self.recorded)
+        other.variants = {k: dict(v) for k, v in self.variants.items()}
+        other.needs = copy.deepcopy(self.needs)
+        return other
+
+    def with_variant(self, name: str) -> Self:
+        """A copy with the settings of the variant `name`."""
+        if name not in self.variants:
+            raise CurveboundError(
+                f"The scene {self.name} has no variant {name!r}; " + nearest(name, self.variants)
+            )
+        other = self.copy()
+        for path, value in self.variants[name].items():
+            other.set(path, value)
+        return other
