@@ -26,7 +26,7 @@ def test_demo_runs_what_it_built(
 
     monkeypatch.setattr("curvebound.cosim.scene_names", lambda: ["absent", "pendulum_small"])
     monkeypatch.setattr("curvebound.cosim.load_scene", load)
-    monkeypatch.setattr("curvebound.cosim.resolution._built", refuse)
+    monkeypatch.setattr("curvebound.cosim.capabilities._built", refuse)
     assert main(["demo", "--no-compile", "--out", str(tmp_path)]) == 1
     said = " ".join(capsys.readouterr().out.split())
     assert "failed: The scene absent needs [one] more thing." in said

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from ..errors import CurveboundError
-from ..fmi.folder import Folder, find
+from .capabilities import lacking, located, stops
 from .fmu import Fmu, Value, Variable, nearest, read_fmu
 from .ordering import Ordering
 from .scene_data import ALGORITHMS, Component, SceneData
-from .signals import Signal, jumps_of, signal
+from .signals import Signal, signal
 from .system import Link, Node, Port, System
 from .system import path_of as _path
 
@@ -48,13 +47,14 @@ class _Resolution:
         controlled = self._controlled(recorded)
         self._stop()
         self._unconnected()
-        self._capabilities()
+        self.problems += lacking(self.scene, self.nodes)
         self._stop()
         ordering = Ordering(self.scene, self.nodes, self.links, self.signals)
         system = ordering.system(recorded, controlled, self.notes)
         self.problems += ordering.problems
         self._stop()
-        system.stops = self._stops()
+        system.stops, late = stops(self.scene, self.nodes, self.signals)
+        system.notes += late
         return system
 
     def _stop(self) -> None:
@@ -96,7 +96,7 @@ class _Resolution:
 
     def _component(self, component: Component) -> None:
         try:
-            fmu = read_fmu(_locate(component.source, self.scene.folder))
+            fmu = read_fmu(located(component.source, self.scene.folder))
         except CurveboundError as error:
             self.problems.append(f"component {component.name}: {error}")
             return
@@ -297,12 +297,6 @@ class _Resolution:
             variable = self.nodes[port[0]].fmu.variables[port[1]]
             if variable.kind == "Real" and variable.variability == "continuous":
                 controlled.setdefault(port, variable.nominal or 1.0)
-        for node in self.nodes.values():
-            if not node.fmu.can_vary_step:
-                self.problems.append(
-                    f"component {node.name}: {node.fmu.model_name} takes one step size only "
-                    "(canHandleVariableCommunicationStepSize is false); run it with a fixed step"
-                )
         return controlled
 
     def _unconnected(self) -> None:
@@ -314,78 +308,6 @@ class _Resolution:
         ]
         if free:
             self.notes.append("Inputs left at their start values: " + ", ".join(free) + ".")
-
-    def _capabilities(self) -> None:
-        """What the FMUs cannot do and the scene asks of them."""
-        once = [n for n in self.nodes.values() if n.fmu.only_once_per_process]
-        names = [n.fmu.identifier for n in once]
-        for node in once:
-            if names.count(node.fmu.identifier) > 1:
-                self.problems.append(
-                    f"component {node.name}: {node.fmu.model_name} can be instantiated only once "
-                    "in a process (canBeInstantiatedOnlyOncePerProcess); use it once"
-                )
-        scene = self.scene
-        for node in self.nodes.values() if scene.rolls_back else ():
-            if not node.fmu.can_roll_back:
-                needs = "adaptive macro steps need" if scene.adaptive else "midpoint needs"
-                self.problems.append(
-                    f"component {node.name}: {node.fmu.model_name} cannot be rolled back "
-                    f"(canGetAndSetFMUstate is false), which {needs}; run it with a fixed step and "
-                    "another algorithm"
-                )
-        count = (scene.stop_time - scene.start_time) / scene.step
-        if abs(count - round(count)) > 1e-9 * max(1.0, count):
-            for node in self.nodes.values():
-                if not node.fmu.can_vary_step:
-                    self.problems.append(
-                        f"component {node.name}: {node.fmu.model_name} takes one step size only; "
-                        f"make stop_time, {scene.stop_time} s, a multiple of step, {scene.step} s"
-                    )
-
-    def _stops(self) -> list[float]:
-        """The jumps of the inputs, at which macro steps end where every component allows that."""
-        scene = self.scene
-        jumps = {
-            time: _path(port)
-            for port, function in self.signals.items()
-            for time in jumps_of(function)
-            if scene.start_time < time < scene.stop_time
-        }
-        rigid = [node.name for node in self.nodes.values() if not node.fmu.can_vary_step]
-        if not rigid:
-            return sorted(jumps)
-        for time, path in sorted(jumps.items()):
-            count = (time - scene.start_time) / scene.step
-            if abs(count - round(count)) > 1e-9 * max(1.0, count):
-                self.notes.append(
-                    f"The jump of {path} at {time:.9g} s acts at the communication point after it, "
-                    f"as {rigid[0]} takes one step size only; a step that divides it is exact."
-                )
-        return []
-
-
-def _locate(source: str | Path, folder: Path | None) -> Path:
-    """The FMU file that a component names; one of ours is built if need be."""
-    path = Path(source)
-    if path.suffix.lower() != ".fmu":
-        system = find(source, folder)
-        built = _built(system)
-        if not built.is_file():  # the cache was emptied
-            _built.cache_clear()
-            built = _built(system)
-        return built
-    if folder is not None and not path.is_absolute():
-        path = folder / path
-    return path
-
-
-@functools.cache
-def _built(system: Folder) -> Path:
-    """The FMU of a system, built; once in a process, as its sources do not change under it."""
-    from ..fmi.cached import cached_fmu
-
-    return cached_fmu(system)
 
 
 def _units_differ(a: Variable, b: Variable) -> bool:
