@@ -1,13 +1,12 @@
 """Feedback holds the pendulum upright, and catches it after a push.
 
-The gains come from the linear model about the upright position. At 5 s a force of 4 N pushes the
-bob for 0.2 s: a scene input, a table with jumps.
+The gains come from the linear model about the upright position (curvebound.study.regulator). At 5 s
+a force of 4 N pushes the bob for 0.2 s: a scene input, a table with jumps.
 """
 
 import math
 
 from curvebound.cosim import Scene
-from curvebound.study.regulator import gains
 
 scene = Scene(
     "inverted_balance",
@@ -16,7 +15,19 @@ scene = Scene(
     step=0.01,
     needs={"plant.slider.u": 1e-2, "plant.pendulum.angle": 1e-2},
 )
-scene.add("drive", "ParabolaDrive", {**gains(upright=True), "reference.pendulum_angle": math.pi})
+scene.add(
+    "drive",
+    "ParabolaDrive",
+    {
+        "feedback.slider_u": -55.3053,
+        "feedback.slider_u_rate": -12.8888,
+        "feedback.pendulum_angle": 87.7991,
+        "feedback.pendulum_angular_velocity": 23.0244,
+        "feedback.parabola_x": -1.0,
+        "feedback.parabola_vx": -2.3716,
+        "reference.pendulum_angle": math.pi,
+    },
+)
 scene.add(
     "plant",
     "ParabolaPendulum",

@@ -8,7 +8,6 @@ is the same scene with another drive.sample.period. Run them together with --var
 import math
 
 from curvebound.cosim import Scene
-from curvebound.study.regulator import gains
 
 scene = Scene(
     "sampled_feedback",
@@ -21,7 +20,12 @@ scene.add(
     "drive",
     "ParabolaDrive",
     {
-        **gains(upright=True),
+        "feedback.slider_u": -55.3053,
+        "feedback.slider_u_rate": -12.8888,
+        "feedback.pendulum_angle": 87.7991,
+        "feedback.pendulum_angular_velocity": 23.0244,
+        "feedback.parabola_x": -1.0,
+        "feedback.parabola_vx": -2.3716,
         "reference.pendulum_angle": math.pi,
         "sample.period": 0.02,
         "limit.acceleration": 100.0,

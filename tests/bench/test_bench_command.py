@@ -88,7 +88,7 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_first_measurement(
     monkeypatch.setattr("curvebound.bench.run.run_sections", None)
     (tmp_path / "file").touch()
     for path in (tmp_path, tmp_path / "file" / "bench.json"):
-        assert main(["bench", "--json", str(path)]) == 1
+        assert main(["bench", "--json", str(path)]) == 2
         assert f"{path} cannot be written" in capsys.readouterr().err.replace("\n", "")
 
 

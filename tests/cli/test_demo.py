@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -29,8 +31,48 @@ def test_demo_runs_what_it_built(
     monkeypatch.setattr("curvebound.cosim.capabilities._built", refuse)
     assert main(["demo", "--no-compile", "--out", str(tmp_path)]) == 1
     said = " ".join(capsys.readouterr().out.split())
-    assert "failed: The scene absent needs [one] more thing." in said
+    assert "failed: absent: The scene absent needs [one] more thing." in said
     assert "pendulum_small 0.1 s" in said
     assert (tmp_path / "pendulum_small.csv").is_file()
     assert (tmp_path / "pendulum_small.html").is_file()
     assert "pendulum_small" in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
+BLOCKED = """
+import importlib.abc, sys
+
+class Blocker(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in ("scipy", "mpmath", "matplotlib", "PIL", "distributed"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Blocker())
+import importlib.util
+found = importlib.util.find_spec
+
+def find_spec(name, package=None):
+    try:
+        return found(name, package)
+    except ModuleNotFoundError:
+        return None
+
+importlib.util.find_spec = find_spec
+"""
+
+
+def test_the_scenes_need_no_extra_and_what_is_missing_is_said_once(tmp_path: Path) -> None:
+    script = BLOCKED + (
+        "from curvebound import cosim\n"
+        "from curvebound.cli import main\n"
+        "for name in cosim.scene_names():\n"
+        "    cosim.load_scene(name)\n"
+        "cosim.scene_names = lambda: ['pendulum_small']\n"
+        "raise SystemExit(main(['list']) or main(['demo', '--no-compile', '--out', sys.argv[1]]))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(tmp_path)], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("not installed") == 1
+    assert "pip install 'curvebound[plots]'" in " ".join(done.stdout.split())
+    assert done.stderr == ""

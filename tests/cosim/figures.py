@@ -22,7 +22,6 @@ import test_sampled_loop as loop
 from scipy.integrate import solve_ivp
 
 from curvebound.cosim import Adaptive, Scene, load_scene
-from curvebound.study.regulator import gains
 
 ALGORITHMS = ("jacobi", "gauss_seidel", "strang")
 W = 2.0 * math.pi
@@ -110,7 +109,7 @@ def adaptive() -> None:
 
 def damping() -> None:
     print("Adaptive gauss_seidel, active_damping against the continuous loop (motion dies away)")
-    gain = np.array(list(gains().values()))
+    gain = loop.GAIN
     exact = solve_ivp(
         lambda _, y: loop.motion(y, -float(gain @ y)), (0.0, 20.0), loop.START,
         method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True,
@@ -199,7 +198,7 @@ def amplification() -> None:
 
 
 def feedback() -> None:
-    gain = np.array(list(gains().values()))
+    gain = loop.GAIN
     scene = load_scene("active_damping")
     scene.recorded.clear()
     scene.record(*loop.OUTPUTS)

@@ -10,7 +10,7 @@ from amplification import jacobi_radius, masses, radius, sampled
 
 from curvebound.cosim import RunFailed, Scene, load_scene
 from curvebound.cosim.scene_data import ALGORITHMS
-from curvebound.study.regulator import gains
+from curvebound.study.regulator import STATES
 
 STARTS = ("one.x_start", "one.v_start", "two.x_start", "two.v_start")
 STATE = ("one.x", "one.v", "two.x", "two.v")
@@ -112,7 +112,8 @@ def loop():
 
 @pytest.fixture(scope="module")
 def gain():
-    return np.array(list(gains().values()))
+    start = load_scene("active_damping").components["drive"].start
+    return np.array([start[f"feedback.{name}"] for name in STATES])
 
 
 @pytest.fixture(scope="module")

@@ -35,7 +35,7 @@ def test_nan_is_kept(tmp_path):
     ("text", "message"),
     [
         ("", "is empty"),
-        ("time,a\n0.0\n", "line 2, has 1 entries"),
+        ("time,a\n0.0\n", "line 2 has 1 entries"),
         ("time,time\n0,1\n", "twice"),
         ("time,a\n0.0,abc\n", "column a"),
     ],

@@ -188,7 +188,7 @@ def test_variants_on_the_command_line(tmp_path):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     names = sorted(p.name for p in tmp_path.iterdir())
-    assert names == ["s_0.1_s.csv", "s_0.22_s.csv", "s_0.2_s.csv", "s_sampled_feedback.csv"]
+    assert names == ["s_0.1 s.csv", "s_0.2 s.csv", "s_0.22 s.csv", "s_sampled_feedback.csv"]
 
 
 @pytest.mark.parametrize("name", ["bead_on_wire", "swaying_parabola"])

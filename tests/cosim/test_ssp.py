@@ -183,7 +183,7 @@ def test_a_foreign_package_with_systems_within_systems(gain_fmu, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("resources/Gain%20Block.fmu", "resources/absent.fmu"), "There is no FMU"),
+        (("resources/Gain%20Block.fmu", "resources/absent.fmu"), "no file resources/absent.fmu"),
         (("resources/Gain%20Block.fmu", "../out.fmu"), "leaves the package"),
         (('startConnector="u" endE', 'startConnector="w" endE'), "second.w, which is no connector"),
         (("resources/first.ssv", "resources/none.ssv"), r"has no file resources/none\.ssv"),
@@ -209,7 +209,7 @@ def test_no_package_at_all(tmp_path):
     with pytest.raises(CurveboundError, match="There is no SSP package"):
         load_scene(tmp_path / "absent.ssp")
     (tmp_path / "text.ssp").write_text("text")
-    with pytest.raises(CurveboundError, match="is no SSP package"):
+    with pytest.raises(CurveboundError, match="cannot be read as an SSP package"):
         load_scene(tmp_path / "text.ssp")
 
 

@@ -23,21 +23,21 @@ def test_the_command_writes_table_picture_and_page(tmp_path, capsys) -> None:
     assert main(["stability", "bead_on_wire", "--vary", vary, *arguments, "--out", str(out)]) == 0
     folder = out / "bead_on_wire"
     assert sorted(p.name for p in folder.iterdir()) == [
-        "bead_wire_radius.csv",
-        "bead_wire_radius.html",
-        "bead_wire_radius.png",
-        "bead_wire_radius_boundaries.csv",
+        "bead.wire.radius.csv",
+        "bead.wire.radius.html",
+        "bead.wire.radius.png",
+        "bead.wire.radius_boundaries.csv",
     ]
-    with (folder / "bead_wire_radius_boundaries.csv").open() as file:
+    with (folder / "bead.wire.radius_boundaries.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [float(row[RADIUS]) for row in rows] == pytest.approx([0.1, 1.0, 10.0] * 2)
     assert float(rows[0]["stable_below"]) < float(rows[0]["theory_at_rest"])
     assert rows[0]["size_is"] == "step (s)"
     assert rows[3]["size_is"] == "tolerance"
-    with (folder / "bead_wire_radius.csv").open() as file:
+    with (folder / "bead.wire.radius.csv").open() as file:
         verdicts = {row["verdict"] for row in csv.DictReader(file)}
     assert {"accurate", "inaccurate"} <= verdicts
-    page = (folder / "bead_wire_radius.html").read_text()
+    page = (folder / "bead.wire.radius.html").read_text()
     assert "<svg" in page
     assert "Runs of 2 s" in page
 
@@ -104,8 +104,8 @@ def test_a_folder_that_cannot_be_written_is_refused_first(
     monkeypatch.setattr("curvebound.study.stability.sample.run_sample", None)
     (tmp_path / "file").touch()
     out = ["--no-plots", "--out", str(tmp_path / "file")]
-    assert main(["stability", *arguments, *out]) == 1
-    assert "file cannot be written" in capsys.readouterr().err
+    assert main(["stability", *arguments, *out]) == 2
+    assert re.search("file/.* cannot be written", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(

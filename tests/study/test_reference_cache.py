@@ -12,6 +12,7 @@ from curvebound.cosim import Scene, load_scene
 from curvebound.study import reference, reference_cache
 from curvebound.study.reference import refer
 from curvebound.study.reference_cache import question
+from curvebound.study.study import identity
 
 pytest.importorskip("mpmath")
 PATHS = ["plant.slider.u", "drive.parabola.ax"]
@@ -112,8 +113,10 @@ def test_signals_that_differ_between_all_samples_have_other_keys(signals: list[A
     for signal in (*signals, signals[0]):
         scene = short()
         scene.input("plant.pendulum.fx", signal)
-        keys.append(question(scene.check(), PATHS, 0.3, None, True))
-    assert keys[0] == keys[2] != keys[1]
+        system = scene.check()
+        keys.append((question(system, PATHS, 0.3, None, True), identity(system)))
+    for one, other, again in zip(*keys, strict=True):
+        assert one == again != other
 
 
 def test_the_code_of_a_reference_is_all_that_it_imports(tmp_path: Path) -> None:

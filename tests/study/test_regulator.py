@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
 from curvebound.study.regulator import STATES, gains, linear_model
 
@@ -56,3 +57,14 @@ def test_wrong_names_are_refused():
         linear_model({"slider.weight": 1.0})
     with pytest.raises(CurveboundError, match="no state slider"):
         gains(weights={"slider": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("name", "upright"),
+    [("active_damping", False), ("inverted_balance", True), ("sampled_feedback", True)],
+)
+def test_the_scenes_have_these_gains(name, upright):
+    """They are numbers there, so that the scenes run without scipy."""
+    start = load_scene(name).components["drive"].start
+    for path, gain in gains(upright=upright).items():
+        assert start[path] == pytest.approx(gain, abs=6e-5)

@@ -6,6 +6,8 @@ import csv
 import math
 import os
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -264,3 +266,45 @@ def test_a_killed_worker_of_a_cluster_loses_no_point(tmp_path: Path) -> None:
     assert not any(row[-1] for row in rows)
     alone = sweep(60).run(tmp_path / "b.csv", workers=1)
     assert alone.path.read_bytes() == result.path.read_bytes()
+
+
+def test_a_second_sweep_into_one_file_is_refused(tmp_path: Path) -> None:
+    out = tmp_path / "a.csv"
+    refused: list[str] = []
+
+    def second(done: int, count: int, failed: int) -> None:
+        if done and not refused:
+            script = (
+                "import sys; from pathlib import Path\n"
+                "from curvebound.errors import CurveboundError\n"
+                "from curvebound.study.sweep import Design, Sweep, axis\n"
+                f"sweep = Sweep('bead_on_wire', Design([axis({DAMPING.format(6)!r})]), {METRICS!r},"
+                " changes={'stop_time': 1.0})\n"
+                "try:\n"
+                "    sweep.run(Path(sys.argv[1]), workers=1)\n"
+                "except CurveboundError as error:\n"
+                "    print(error)\n"
+            )
+            call = [sys.executable, "-c", script, str(out)]
+            done_too = subprocess.run(call, capture_output=True, text=True, check=True)
+            refused.append(done_too.stdout)
+
+    result = sweep().run(out, workers=1, progress=second)
+    assert f"is being written by process {os.getpid()}" in refused[0]
+    assert result.points == len(rows_of(out)) - 1 == 6
+
+
+@pytest.mark.parametrize("loss", ["a row", "the file"])
+def test_rows_that_others_have_lost_are_missed(tmp_path: Path, loss: str) -> None:
+    out = tmp_path / "a.csv"
+
+    def lose(done: int, count: int, failed: int) -> None:
+        if done == count:
+            if loss == "a row":
+                lines = out.read_text().splitlines(keepends=True)
+                out.write_text("".join(lines[:2] + lines[3:]))
+            else:
+                out.rename(tmp_path / "b.csv")
+
+    with pytest.raises(CurveboundError, match=r"a\.csv"):
+        sweep().run(out, workers=1, progress=lose)

@@ -11,11 +11,14 @@ import pytest
 
 from curvebound.cosim import load_scene
 from curvebound.study.amplitudes import FACTORS, amplitude_rows
+from curvebound.study.contenders import time_again
 from curvebound.study.files import write_json
+from curvebound.study.front import equals
+from curvebound.study.page import study_page
 from curvebound.study.report import write_overview
 from curvebound.study.runner import Runner
 from curvebound.study.study import Study
-from curvebound.study.teach import crossings, lessons, order_of
+from curvebound.study.teach import crossings, lessons, order_of, spread_of
 from curvebound.study.trust import points, trust
 
 
@@ -56,6 +59,70 @@ def test_a_measure_that_misses_large_errors_is_a_warning_only() -> None:
     errors = np.random.default_rng(1).permutation([10.0**-n for n in range(1, 11)])
     rows = [row(size, float(e)) for size, e in zip(SIZES, errors, strict=True)]
     assert stated("energy.residual", rows).verdict.startswith("a warning only")
+
+
+def test_a_measure_that_was_never_exceeded_is_not_said_to_be() -> None:
+    """Errors without order below what is said: a bound, though none that tells them apart."""
+    errors = np.random.default_rng(1).permutation([10.0**-n for n in range(5, 15)])
+    rows = [row(1e-3 * (1 + i), float(e)) for i, e in enumerate(errors)]
+    said = stated("energy.residual", rows)
+    assert said.under == 0.0
+    assert "can be small" not in said.verdict
+    assert said.verdict.startswith("an upper bound in these runs, which does not tell")
+
+
+def test_the_runs_that_exceeded_a_measure_are_counted() -> None:
+    rows = [row(size, 2.0 * size) for size in SIZES] + [row(1e-9, 0.1), row(1e-8, 0.2)]
+    assert "in 2 of 12 runs" in stated("energy.residual", rows).verdict
+
+
+def test_settings_that_timing_does_not_tell_apart_are_called_equal() -> None:
+    rows = [
+        row(1e-4, 1e-5, cpu=1.0, cpu_low=0.9, cpu_high=1.2, key="a"),
+        row(1e-4, 1e-5, cpu=1.1, cpu_low=1.0, cpu_high=1.4, key="b", method="rk4", size_is="step"),
+        row(1e-4, 1e-5, cpu=1.9, cpu_low=1.8, cpu_high=2.0, key="c", method="implicit"),
+    ]
+    assert [r["method"] for r in equals(rows, 1e-4)] == ["rk4"]
+    assert any("angle adaptive or angle rk4 from" in text for text in lessons(rows))
+    assert spread_of(rows[0]) == "1.0e+00 (9.0e-01 to 1.2e+00)"
+
+
+def test_what_is_near_the_cheapest_is_timed_again_in_turns() -> None:
+    rows = [
+        row(1e-4, 1e-5, cpu=cost, key=key) for key, cost in (("a", 1.0), ("b", 1.4), ("c", 9.0))
+    ]
+    turns: list[str] = []
+
+    class Timer:
+        def cost(self, setting: str) -> float:
+            turns.append(setting)
+            return 2.0 if setting == "a" else 1.5
+
+    again = time_again(rows, {key: key for key in "abc"}, Timer())  # type: ignore[arg-type,misc]
+    assert turns[:4] == ["a", "b", "a", "b"]
+    assert [r["key"] for r in again] == ["a", "b"]
+    assert (rows[0]["cpu"], rows[0]["cpu_low"], rows[0]["cpu_high"]) == (2.0, 1.0, 2.0)
+    assert time_again(rows, {key: key for key in "abc"}, Timer()) == []  # type: ignore[arg-type]
+
+
+def test_failures_are_listed_with_what_the_fmu_said(tmp_path: Path) -> None:
+    failed = [
+        row(
+            size,
+            math.inf,
+            failure=f"failed at t = {size}: wire.radius is 0: give more",
+            key=str(size),
+        )
+        for size in SIZES
+    ]
+    other = row(1e-3, math.inf, failure="another <fault>", key="x")
+    page = study_page(
+        tmp_path / "index.html", name="s", description="", rows=[row(1e-3, 1e-3), *failed, other],
+        references=[], paths=["a.b"], complete=True, statements=[], footer="",
+    ).read_text()  # fmt: skip
+    assert "wire.radius is 0: give more" in page
+    assert "another &lt;fault&gt;" in page
+    assert f"<td>{len(failed)}</td>" in page
 
 
 def test_what_was_not_judged_failed_or_is_rounding_says_nothing() -> None:

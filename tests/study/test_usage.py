@@ -54,7 +54,7 @@ def test_a_folder_that_is_a_file_is_named(
 ) -> None:
     file = tmp_path / "file"
     file.write_text("")
-    assert main([word.format(file) for word in words]) == 1
+    assert main([word.format(file) for word in words]) == 2
     err = " ".join(capsys.readouterr().err.split())
     assert "cannot be written" in err
     assert "Traceback" not in err

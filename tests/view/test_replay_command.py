@@ -62,12 +62,12 @@ def test_bodies_of_two_kinds_in_one_page(tmp_path: Path) -> None:
     ("text", "said"),
     [("", "is empty"), ("x,y\n1,2\n", "no column"), ("time,a\n0,1\n1,2,3\n2,2\n", "Line 3")],
 )
-def test_a_broken_file_is_one_paragraph_and_status_1(
+def test_a_broken_file_is_one_paragraph_and_status_2(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, said: str
 ) -> None:
     path = tmp_path / "broken.csv"
     path.write_text(text)
-    assert main(["replay", str(path)]) == 1
+    assert main(["replay", str(path)]) == 2
     heard = " ".join(capsys.readouterr().err.split())
     assert said in heard
     assert "Traceback" not in heard
@@ -80,7 +80,7 @@ def test_too_many_results_and_a_place_that_cannot_be_written(
     path = str(write_csv(bead(0.1, 0.01), tmp_path / "bead.csv"))
     assert main(["replay", *(f"{k}={path}" for k in range(9))]) == 1
     assert "at most 8" in " ".join(capsys.readouterr().err.split())
-    assert main(["replay", path, "--out", str(tmp_path / "bead.csv" / "page.html")]) == 1
+    assert main(["replay", path, "--out", str(tmp_path / "bead.csv" / "page.html")]) == 2
     assert "cannot be written" in " ".join(capsys.readouterr().err.split())
 
 

@@ -1,6 +1,7 @@
 """The command line: one module per command, imported only as far as the parser needs.
 
-Exit status: 0 done, 1 the command failed and said why, 2 wrong usage (argparse).
+Exit status: 0 done, 1 the command failed and said why, 2 wrong usage (argparse), data that cannot
+be read, or a system that is short of something.
 """
 
 from __future__ import annotations
@@ -8,16 +9,19 @@ from __future__ import annotations
 import argparse
 import difflib
 import importlib
+import io
+import os
 import re
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NoReturn
 
 import shtab
 
 from .. import __version__
-from ..errors import CurveboundError
+from ..errors import CurveboundError, remedy_of, said
 
 __all__ = ["main", "parser"]
 
@@ -92,6 +96,9 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a name that the terminal cannot show is no error
+            stream.reconfigure(errors="backslashreplace")
     words = sys.argv[1:] if arguments is None else arguments
     if not words:
         parser().print_help()
@@ -99,18 +106,35 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(words)
     try:
         status: int = options.run(options)
+        sys.stdout.flush()
     except CurveboundError as error:
-        return _report(str(error), options.debug)
+        return _report(str(error), options.debug, error.status)
     except KeyboardInterrupt as stop:  # a command that keeps something says so
         return _report(str(stop) or "stopped by the keyboard", options.debug)
     except BrokenPipeError:
         # The reader (head, a pager) has gone; there is nobody left to tell.
         sys.stderr.close()
         return 1
+    except (OSError, MemoryError) as error:
+        _drop_output()
+        return _report(f"{said(error)}. {remedy_of(error)}".strip(), options.debug, 2)
+    except Exception as error:
+        _drop_output()
+        text = f"{said(error)}. Nobody thought of this: --debug shows where it happened."
+        return _report(text, options.debug, 2)
     return status
 
 
-def _report(message: str, debug: bool) -> int:
+def _drop_output() -> None:
+    """What standard output does not take now, on a full disk, it need not be given at the end."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _report(message: str, debug: bool, status: int = 1) -> int:
     """Print an error as one paragraph, wrapped to the terminal; returns the exit status."""
     from rich.console import Console
     from rich.text import Text
@@ -121,4 +145,4 @@ def _report(message: str, debug: bool) -> int:
     console.print(
         Text.assemble(("error: ", "bold red"), message), soft_wrap=not console.is_terminal
     )
-    return 1
+    return status

@@ -45,21 +45,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Build and say in one line per FMU what was done."""
+    from ..files import sole_writer
     from ..fmi.build import build
-    from ..fmi.folder import names
+    from ..fmi.folder import find, names
 
-    for name in options.name or names():
+    systems = [(name, find(name).name) for name in options.name or names()]
+    for which, name in systems:
         if options.cross_check is not None:
             from ..fmi.cross_check import write_cross_check
 
-            folder = write_cross_check(name, options.cross_check, compiled=not options.no_compile)
+            with sole_writer(options.cross_check / f"{name}.fmu", wait=True):
+                folder = write_cross_check(
+                    which, options.cross_check, compiled=not options.no_compile
+                )
             print(f"{folder}: FMU, reference result, bounds", flush=True)
             continue
-        built = build(
-            name,
-            options.out,
-            compiled=not options.no_compile,
-            with_python=options.with_python,
-        )
+        with sole_writer(options.out / f"{name}.fmu", wait=True):
+            built = build(
+                which,
+                options.out,
+                compiled=not options.no_compile,
+                with_python=options.with_python,
+            )
         print(built.message, flush=True)
     return 0

@@ -7,7 +7,6 @@ example:
 from __future__ import annotations
 
 import argparse
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,6 +29,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Build, run, print; exit status 1 when a scene failed, after all others have run."""
+    from ..cosim import scene_names
+    from ..files import sole_writer
+    from ..fmi.folder import names
+
+    out: Path = options.out
+    files = [*(f"{name}.fmu" for name in names()), *(f"{name}.csv" for name in scene_names())]
+    with sole_writer(*(out / file for file in files), out / "index.html"):
+        return _run(options)
+
+
+def _run(options: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
     from rich.table import Table
@@ -38,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
     from ..cosim import RunFailed, load_scene, scene_names
     from ..fmi.build import build
     from ..fmi.folder import names
+    from ..study.extras import missing
 
     console = Console(highlight=False)
     out: Path = options.out
@@ -71,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
                 result = error.result
                 failures.append(str(error))
             except CurveboundError as error:  # it cannot even begin here
-                failures.append(str(error))
+                failures.append(f"{name}: {error}")
                 progress.advance(task)
                 continue
             result.write(out / f"{name}.csv")
@@ -87,23 +98,28 @@ def run(options: argparse.Namespace) -> int:
             progress.advance(task)
     console.print(table)
     console.print(f"results: {out}/*.csv")
+    pictures = missing("plots")
     with console.status("drawing the gallery"):
-        console.print(f"gallery: {_gallery(results, out)}")
+        console.print(f"gallery: {_gallery(results, out, with_pictures=not pictures)}")
+    if pictures:
+        console.print(f"no pictures in it: {pictures}", soft_wrap=True, markup=False)
     for failure in failures:
         console.print(Text.assemble(("failed: ", "bold red"), failure))
     return 1 if failures else 0
 
 
-def _gallery(results: list[tuple[Scene, Result]], out: Path) -> Path:
-    """A page with a card per scene; pictures only where matplotlib is installed."""
+def _gallery(results: list[tuple[Scene, Result]], out: Path, *, with_pictures: bool) -> Path:
+    """A page with a card per scene."""
+    from ..files import inside
     from ..view import Card, write_gallery, write_picture, write_replay
 
     cards = []
     for scene, result in results:
         picture: Path | None = None
-        with suppress(CurveboundError):
-            picture = write_picture(result, out / f"{scene.name}.png", title=scene.name)
-        replay = write_replay([(scene.name, result)], out / f"{scene.name}.html")
+        if with_pictures:
+            drawn = inside(out, scene.name, ".png")
+            picture = write_picture(result, drawn, title=scene.name)
+        replay = write_replay([(scene.name, result)], inside(out, scene.name, ".html"))
         cards.append(
             Card(
                 scene.name,
@@ -114,8 +130,8 @@ def _gallery(results: list[tuple[Scene, Result]], out: Path) -> Path:
                 cost=f"{result.wall:.2f} s of wall time, set-up included",
                 links={
                     "replay": replay,
-                    "study": out / "study" / scene.name / "index.html",
-                    "stability": out / "stability" / scene.name / "index.html",
+                    "study": inside(out / "study", scene.name) / "index.html",
+                    "stability": inside(out / "stability", scene.name) / "index.html",
                 },
             )
         )

@@ -47,9 +47,10 @@ def run(options: argparse.Namespace) -> int:
     scene = load_scene(options.scene)
     results = run_all(scene, options, summarize)
     if options.replay is not None:
+        from ..files import inside
         from ..view.replay import write_replay
 
-        out = options.replay if options.replay.name else Path("build", f"{scene.name}.html")
+        out = options.replay if options.replay.name else inside(Path("build"), scene.name, ".html")
         print(write_replay(results, out, title=scene.name))
     if options.picture is not None:
         from ..view import write_picture

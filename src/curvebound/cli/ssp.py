@@ -34,9 +34,10 @@ def run(options: argparse.Namespace) -> int:
     from ..cosim import load_scene
     from ..cosim.options import changed
     from ..cosim.ssp import in_fmpy, write_ssp
+    from ..files import inside
 
     scene = changed(load_scene(options.scene), options)
-    path = write_ssp(scene, options.out or Path(f"{scene.name}.ssp"))
+    path = write_ssp(scene, options.out or inside(Path(), scene.name, ".ssp"))
     print(path)
     print("\nfmpy gives the scene's parameters to its FMUs only if it is told to:\n")
     print(in_fmpy(scene, path))

@@ -89,7 +89,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Do what was asked for; status 1 where a map is empty, a sample or a long run misses."""
-    from ..files import require_writable
+    from ..files import require_writable, sole_writer
     from ..study.extras import require
 
     refuse(options)
@@ -101,20 +101,17 @@ def run(options: argparse.Namespace) -> int:
     with_maps = bool(requests or options.all)
     if with_maps and not options.no_plots:
         require("plots")
-    if with_maps or options.sample is not None:  # before hours of runs
-        require_writable(options.out, folder=True)
-        for name in {request.made().name for request in requests}:
-            require_writable(options.out / name, folder=True)
     if options.documentation:
         require_writable(options.documentation, folder=True)
     good = True
     try:
-        if with_maps:
-            good = _maps(options, requests, units)
-        if options.sample is not None:
-            good = _sample(options) and good
-        if options.long:
-            good = _long(options) and good
+        with sole_writer(*_files(options, requests)):  # known before hours of runs
+            if with_maps:
+                good = _maps(options, requests, units)
+            if options.sample is not None:
+                good = _sample(options) and good
+            if options.long:
+                good = _long(options) and good
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             "stopped by the keyboard; files named above are whole, nothing else is kept"
@@ -122,10 +119,35 @@ def run(options: argparse.Namespace) -> int:
     return 0 if good else 1
 
 
+def _files(options: argparse.Namespace, requests: list[Any]) -> list[Path]:
+    """What will be written."""
+    from ..files import inside
+    from ..study.stability.catalogue import catalogue
+    from ..study.stability.map_report import files_of
+
+    files = [options.out / "index.html"] if options.all else []
+    named = catalogue(tuple(options.method or ()), options.accuracy) if options.all else []
+    for request in [*requests, *named]:
+        files += files_of(request, inside(options.out, request.made().name))
+    if options.sample is not None:
+        files += [_sample_file(options, system) for system in _systems(options)]
+    return list(dict.fromkeys(files))
+
+
+def _systems(options: argparse.Namespace) -> list[str]:
+    return list(dict.fromkeys(options.system or SYSTEMS))
+
+
+def _sample_file(options: argparse.Namespace, system: str) -> Path:
+    folder: Path = options.out
+    return folder / f"sample_{system}.csv"
+
+
 def _maps(options: argparse.Namespace, requests: list[Any], units: dict[Any, str]) -> bool:
     """Whether something is known in each map."""
     from rich.console import Console
 
+    from ..files import inside
     from ..study.stability.catalogue import catalogue
     from ..study.stability.compact import write_compact
     from ..study.stability.map_report import nothing_known, write_index, write_map
@@ -147,7 +169,7 @@ def _maps(options: argparse.Namespace, requests: list[Any], units: dict[Any, str
 
         for request, maps in make_maps(requests, jobs=options.jobs, progress=tell):
             name = request.made().name
-            folder = options.out / name
+            folder = inside(options.out, name)
             page = write_map(
                 request, maps, name, units[request], folder, plots=not options.no_plots
             )
@@ -174,7 +196,7 @@ def _sample(options: argparse.Namespace) -> bool:
 
     console = Console(highlight=False)
     good = True
-    for system in dict.fromkeys(options.system or SYSTEMS):
+    for system in _systems(options):
         method = (options.method or ["adaptive"])[0]
         settings = Settings(system, method, options.tolerance, options.times)
         with progress_bar(console) as bar:
@@ -187,7 +209,7 @@ def _sample(options: argparse.Namespace) -> bool:
                 progress=lambda n, bar=bar, task=task: bar.update(task, completed=n),  # type: ignore[misc]
             )
         print_sample(outcomes, settings, options.seed)
-        console.print(str(write_sample(outcomes, options.out / f"sample_{system}.csv")))
+        console.print(str(write_sample(outcomes, _sample_file(options, system))))
         good = passes(outcomes) and good
     return good
 

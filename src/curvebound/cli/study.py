@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     from rich.console import Console
 
     from ..cosim import load_scene, scene_names
-    from ..files import require_writable
+    from ..files import inside, remove, sole_writer
     from ..study.extras import require
     from ..study.report import write_overview, write_study
     from ..study.study import Study
@@ -67,23 +67,25 @@ def run(options: argparse.Namespace) -> int:
     for name in names:
         scene = load_scene(name)
         study = Study.of(scene, quick=options.quick, limit=options.limit, outputs=options.output)
-        folder = options.out / scene.name
-        require_writable(folder, folder=True)
-        journal = folder / "study.jsonl"
-        if options.restart:
-            journal.unlink(missing_ok=True)
-        interrupted = False
-        with progress_bar(console) as bar:
-            task = bar.add_task(scene.name, total=None, note="")
+        folder = inside(options.out, scene.name)
+        with sole_writer(folder, folder=True):
+            journal = folder / "study.jsonl"
+            if options.restart:
+                remove(journal)
+            interrupted = False
+            with progress_bar(console) as bar:
+                task = bar.add_task(scene.name, total=None, note="")
 
-            def tell(done: int, count: int, label: str, bar: Any = bar, task: Any = task) -> None:
-                bar.update(task, completed=done, total=count, note=label)
+                def tell(
+                    done: int, count: int, label: str, bar: Any = bar, task: Any = task
+                ) -> None:
+                    bar.update(task, completed=done, total=count, note=label)
 
-            try:
-                study.run(journal, tell)
-            except KeyboardInterrupt:
-                interrupted = True
-        page = write_study(study, folder, plots=not options.no_plots)
+                try:
+                    study.run(journal, tell)
+                except KeyboardInterrupt:
+                    interrupted = True
+            page = write_study(study, folder, plots=not options.no_plots)
         if interrupted:
             console.print(
                 f"{scene.name}: stopped after {len(study.rows)} settings, which are kept: {page}. "
@@ -91,7 +93,8 @@ def run(options: argparse.Namespace) -> int:
             )
             return 1
         _print(console, study, page)
-    overview = write_overview(options.out, plots=not options.no_plots)
+    with sole_writer(options.out / "index.html", wait=True):  # the last one sees all studies
+        overview = write_overview(options.out, plots=not options.no_plots)
     if overview is not None:
         page, sentences = overview
         console.print("\nOver all studies so far:")
@@ -104,7 +107,7 @@ def run(options: argparse.Namespace) -> int:
 def _print(console: Any, study: Any, page: Path) -> None:
     from rich.table import Table
 
-    from ..study.teach import crossings, lessons
+    from ..study.teach import crossings, lessons, spread_of
 
     table = Table(box=None, pad_edge=False, title=f"\n{study.scene.name}", title_justify="left")
     for heading in ("error", "cheapest setting", "macro", "CPU s/s"):
@@ -116,7 +119,7 @@ def _print(console: Any, study: Any, page: Path) -> None:
         words = f"{row['form']} {row['method']}".strip()
         if row["size"]:
             words += f" {'tol' if row['size_is'] == 'tolerance' else 'h'} {row['size']:.2g}"
-        table.add_row(f"{level:.0e}", words, f"{row['macro_step']:.3g} s", f"{row['cpu']:.1e}")
+        table.add_row(f"{level:.0e}", words, f"{row['macro_step']:.3g} s", spread_of(row))
     console.print(table)
     for text in lessons(study.rows):
         console.print(f"- {text}", soft_wrap=not console.is_terminal)

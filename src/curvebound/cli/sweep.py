@@ -68,6 +68,7 @@ def run(options: argparse.Namespace) -> int:
     from rich.console import Console
 
     from ..errors import CurveboundError
+    from ..files import inside
     from ..study.extras import require
     from ..study.sweep import Design, Sweep, axis
 
@@ -80,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
     sweep = Sweep(
         options.scene, design, options.metric, changes=dict(options.set), variant=options.variant
     )
-    out = options.out or Path("build", "sweep", f"{sweep.scene.name}.csv")
+    out = options.out or inside(Path("build", "sweep"), sweep.scene.name, ".csv")
     if options.map and out.suffix != ".csv":
         raise CurveboundError("--map draws from a CSV: give an --out that ends in .csv.")
     console = Console(highlight=False)

@@ -245,14 +245,18 @@ def _setting(candidate: Any) -> str:
 
 
 def _verify(options: argparse.Namespace, names: list[str], console: Any) -> int:
+    from ..files import sole_writer
+
+    with sole_writer(*([] if options.out is None else [options.out])):
+        return _verified(options, names, console)
+
+
+def _verified(options: argparse.Namespace, names: list[str], console: Any) -> int:
     from rich.table import Table
 
-    from ..files import require_writable
     from ..study.files import write_json
     from ..study.verify import BOUNDS, MOST, broken, verify_scene
 
-    if options.out is not None:
-        require_writable(options.out)
     cases = []
     bounds = [bound for _, bound in options.error] or list(BOUNDS)
     failed: list[str] = []

@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, remedy_of, said
+from ..files import inside, sole_writer
 from .options import chosen, configure
 from .prepared import Prepared
 from .results import Result, RunFailed, RunInterrupted
@@ -66,32 +67,36 @@ def run_all(
 
     A run that fails or is interrupted writes what it has before the error goes on.
     """
-    results = []
     scenes = chosen(scene, options)
-    for label, one in scenes:
-        with Progress(label, one.start_time, one.stop_time) as progress:
-            try:
-                with Prepared(one) as prepared:
-                    result = prepared.run(progress=progress)
-            except (RunFailed, RunInterrupted) as error:
-                if options.out is not None and len(error.result.data):
-                    written = error.result.write(_file(options.out, label, len(scenes)))
-                    raise CurveboundError(
-                        f"{error} The result up to there is in {written}."
-                    ) from error
-                raise CurveboundError(str(error)) from error
-        if options.out is not None:
-            result.write(_file(options.out, label, len(scenes)))
-        report(label, result)
-        results.append((label, result))
+    files = {label: _file(options.out, label, len(scenes)) for label, _ in scenes if options.out}
+    results = []
+    with sole_writer(*files.values()):
+        for label, one in scenes:
+            result = _run_one(label, one, files.get(label))
+            report(label, result)
+            results.append((label, result))
     return results
+
+
+def _run_one(label: str, scene: SceneData, out: Path | None) -> Result:
+    with Progress(label, scene.start_time, scene.stop_time) as progress:
+        try:
+            with Prepared(scene) as prepared:
+                result = prepared.run(progress=progress)
+        except (RunFailed, RunInterrupted) as error:
+            if out is not None and len(error.result.data):
+                written = error.result.write(out)
+                raise CurveboundError(f"{error} The result up to there is in {written}.") from error
+            raise CurveboundError(str(error)) from error
+    if out is not None:
+        result.write(out)
+    return result
 
 
 def _file(out: Path, label: str, count: int) -> Path:
     if count == 1:
         return out
-    word = "".join(c if c.isalnum() or c in "-_." else "_" for c in label)
-    return out.with_name(f"{out.stem}_{word}{out.suffix}")
+    return out.with_name(f"{out.stem}_{inside(Path(), label, out.suffix)}")
 
 
 def summarize(label: str, result: Result) -> None:
@@ -137,5 +142,8 @@ def main(scene: SceneData, arguments: Sequence[str] | None = None) -> int:
         run_all(scene, options, summarize)
     except CurveboundError as error:
         print(f"error: {error}", file=sys.stderr)
-        return 1
+        return error.status
+    except (OSError, MemoryError) as error:
+        print(f"error: {said(error)}. {remedy_of(error)}".strip(), file=sys.stderr)
+        return 2
     return 0

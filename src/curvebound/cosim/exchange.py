@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .instance import Instance
-from .system import Link, Port, System
+from .system import Link, Port, System, path_of
 
 __all__ = ["Call", "Exchange"]
 
@@ -229,8 +229,8 @@ class Exchange:
         """Component and FMI function of a prepared call."""
         return self._calls[id(call)]
 
-    def signal_setters(self) -> list[tuple[Callable[[float], float], memoryview, int, bool]]:
-        """For each function that drives an input: it, the buffer, the place, whether Real."""
+    def signal_setters(self) -> list[tuple[Callable[[float], float], str, memoryview, int, bool]]:
+        """For each function that drives an input: it, the path, buffer, place, whether Real."""
         setters = []
         for kind in KINDS:
             for (_, of), (at, targets) in self._inputs.items():
@@ -240,7 +240,7 @@ class Exchange:
                 for i, target in enumerate(targets):
                     if target in self.system.signals:
                         function = self.system.signals[target]
-                        setters.append((function, view, at + i, kind == "Real"))
+                        setters.append((function, path_of(target), view, at + i, kind == "Real"))
         return setters
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import atexit
 import difflib
+import math
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, OutsideError, at, reading, said
 from ..fmi.drawing import Drawing, read
 from ..quantity import number
+from .fmu_check import check_description, check_structure
 
 __all__ = [
     "BASE_UNITS",
@@ -23,6 +26,7 @@ __all__ = [
     "Variable",
     "conversion",
     "extracted",
+    "loading",
     "nearest",
     "read_fmu",
 ]
@@ -68,10 +72,13 @@ class Variable:
                     raise ValueError(f"{given!r} is not true or false")
                 return text.lower() in ("true", "1")
             return bool(given)
-        value = float(given) if text is None else number(text, self.unit)
+        try:
+            value = float(given) if text is None else number(text, self.unit)
+        except TypeError:
+            raise ValueError(f"{given!r} is not a number") from None
         if self.kind == "Integer":
-            if not value.is_integer():
-                raise ValueError(f"{given!r} is not an integer")
+            if not (abs(value) < 2.0**31 and value.is_integer()):
+                raise ValueError(f"{given!r} is not an integer of 32 bits")
             return int(value)
         return value
 
@@ -81,8 +88,8 @@ class Variable:
             return self.items[text]
         try:
             item = float(given)
-        except ValueError:
-            item = 0.0
+        except (TypeError, ValueError):
+            item = math.nan
         if item not in self.items.values():
             listed = ", ".join(f"{n} {name}" for name, n in self.items.items())
             raise ValueError(f"{given!r} is not one of: {listed}")
@@ -198,23 +205,52 @@ def extracted(fmu: Fmu) -> Path:
     """
     import fmpy
 
-    identity = _identity(fmu.path)
-    folder = _unpacked.get(identity)
-    if folder is None or not folder.is_dir():
-        folder = Path(tempfile.mkdtemp(prefix="curvebound_fmu_"))
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        fmpy.extract(str(fmu.path), str(folder))
-        _unpacked[identity] = folder
-    return folder
+    with reading(f"{fmu.path} cannot be unpacked", "Get it anew."):
+        identity = _identity(fmu.path)
+        folder = _unpacked.get(identity)
+        if folder is None or not folder.is_dir():
+            folder = Path(tempfile.mkdtemp(prefix="curvebound_fmu_"))
+            atexit.register(shutil.rmtree, folder, ignore_errors=True)
+            fmpy.extract(str(fmu.path), str(folder))
+            _unpacked[identity] = folder
+        return folder
+
+
+@contextmanager
+def loading(fmu: Fmu) -> Iterator[None]:
+    """Say of what fails in here, loading and instantiating its binary, what helps."""
+    try:
+        yield
+    except CurveboundError:
+        raise
+    except Exception as error:
+        cause = said(error).removeprefix("Exception: ")
+        raise OutsideError(f"{fmu.path} cannot be loaded here: {cause}. {_help(cause)}") from error
+
+
+def _help(cause: str) -> str:
+    if "Cannot find shared library" in cause:
+        return "It has no binary for this system: get one that has."
+    if "failed to map segment" in cause or "Operation not permitted" in cause:
+        return (
+            f"What lies in {tempfile.gettempdir()} may not be run, it seems (noexec): set TMPDIR "
+            "to a folder where it may."
+        )
+    if "instantiate" in cause or "guid" in cause.lower():
+        return "Its binary is not that of its description (another GUID), it seems: get it anew."
+    return "It is damaged, or needs libraries that are not here: ldd shows them."
 
 
 def _load(path: Path) -> Fmu:
+    with reading(f"{path} cannot be read as an FMU", "Get it anew, or ask those who made it."):
+        return _described(path)
+
+
+def _described(path: Path) -> Fmu:
     import fmpy
 
-    try:
-        md = fmpy.read_model_description(str(path), validate=False)
-    except Exception as error:
-        raise CurveboundError(f"{path} cannot be read as an FMU: {error}") from error
+    check_structure(path)
+    md = fmpy.read_model_description(str(path), validate=False)
     if md.fmiVersion != "2.0" or md.coSimulation is None:
         kinds = " and ".join(
             name
@@ -228,6 +264,7 @@ def _load(path: Path) -> Fmu:
             f"{path} is an FMU of FMI {md.fmiVersion} for {kinds or 'nothing'}; "
             "a scene takes FMI 2.0 co-simulation FMUs."
         )
+    check_description(md)
     units = {unit.name: unit.baseUnit for unit in md.unitDefinitions}
     variables = {v.name: _variable(v, units) for v in md.modelVariables}
     inputs = tuple(v.name for v in variables.values() if v.causality == "input")
@@ -266,10 +303,10 @@ def _load(path: Path) -> Fmu:
         can_roll_back=bool(kind.canGetAndSetFMUstate),
         can_vary_step=bool(kind.canHandleVariableCommunicationStepSize),
         only_once_per_process=bool(kind.canBeInstantiatedOnlyOncePerProcess),
-        start_time=_number(experiment and experiment.startTime),
-        stop_time=_number(experiment and experiment.stopTime),
-        step=_number(experiment and experiment.stepSize),
-        tolerance=_number(experiment and experiment.tolerance),
+        start_time=_number(experiment and experiment.startTime, "startTime"),
+        stop_time=_number(experiment and experiment.stopTime, "stopTime"),
+        step=_number(experiment and experiment.stepSize, "stepSize"),
+        tolerance=_number(experiment and experiment.tolerance, "tolerance"),
         drawing=_drawing(path),
     )
 
@@ -283,11 +320,23 @@ def _drawing(path: Path) -> Drawing | None:
             return None
 
 
-def _number(text: Any) -> float | None:
-    return None if text is None else float(text)
+def _number(text: Any, what: str) -> float | None:
+    if text is None:
+        return None
+    with at(what):
+        return float(text)
 
 
 def _variable(v: Any, units: dict[str, Any]) -> Variable:
+    with at(f"variable {v.name}"):
+        variable = _typed(v, units)
+        if variable.start is not None and variable.items is None:
+            with at("its start"):
+                variable.value(variable.start)
+    return variable
+
+
+def _typed(v: Any, units: dict[str, Any]) -> Variable:
     declared = v.declaredType
     unit = v.unit or (declared.unit if declared is not None else None)
     base = units.get(unit or "")
@@ -298,7 +347,9 @@ def _variable(v: Any, units: dict[str, Any]) -> Variable:
     items = None
     if v.type == "Enumeration" and declared is not None:
         items = {item.name: int(item.value) for item in declared.items}
-    nominal = _number(v.nominal) or _number(declared.nominal if declared is not None else None)
+    nominal = _number(v.nominal, "nominal") or _number(
+        declared.nominal if declared is not None else None, "nominal"
+    )
     causality = v.causality or "local"
     variability = v.variability or ("continuous" if v.type == "Real" else "discrete")
     initial = v.initial or _default_initial(causality, variability)

@@ -13,8 +13,7 @@ from itertools import count
 from typing import Any
 from weakref import WeakValueDictionary
 
-from ..errors import CurveboundError
-from .fmu import Fmu, Value, extracted
+from .fmu import Fmu, Value, extracted, loading
 
 __all__ = ["CallFailed", "Ended", "Instance", "Library", "Log", "status_name"]
 
@@ -85,7 +84,8 @@ class Log:
     def write(self, name: bytes, status: int, text: bytes) -> None:
         """Take a message."""
         entry = (_text(name), int(status), _text(text).strip())
-        if status >= WARNING and len(self.entries) < _KEPT and entry not in self.entries:
+        room = len(self.entries) < _KEPT or status > WARNING  # why a run failed is always kept
+        if status >= WARNING and room and entry not in self.entries:
             self.entries.append(entry)
 
     def clear(self) -> None:
@@ -148,7 +148,7 @@ class Library:
         from fmpy.fmi2 import FMU2Slave
 
         self.fmu = fmu
-        try:
+        with loading(fmu):
             self.slave = FMU2Slave(
                 guid=fmu.guid,
                 unzipDirectory=str(extracted(fmu)),
@@ -156,8 +156,6 @@ class Library:
                 instanceName=fmu.identifier,
                 requireFunctions=False,
             )
-        except Exception as error:
-            raise CurveboundError(f"{fmu.path} cannot be loaded here: {error}") from error
         self._functions: dict[str, Any] = {}
 
     def function(self, name: str) -> Any:
@@ -190,12 +188,13 @@ class Instance:
         self._changed: set[str] = set()
         self.slave = copy.copy(library.slave)
         self.slave.instanceName = name
-        try:
-            self.slave.instantiate(callbacks=log.callbacks, loggingOn=True)
-        except Exception as error:
-            self.alive = False
-            cause = log.cause(name) or str(error)
-            raise CallFailed(name, "fmi2Instantiate", ERROR, cause) from error
+        self.alive = False
+        with loading(self.fmu):
+            try:
+                self.slave.instantiate(callbacks=log.callbacks, loggingOn=True)
+            except Exception as error:
+                raise ValueError(log.cause(name) or str(error)) from error
+        self.alive = True
         self.pointer = c_void_p(self.slave.component)
 
     def call(self, name: str, *arguments: Any) -> int:

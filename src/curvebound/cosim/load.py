@@ -7,7 +7,7 @@ import importlib.util
 import sys
 from pathlib import Path
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, OutsideError
 from ..places import scenarios_directory
 from .fmu import nearest
 from .scene import Scene
@@ -49,8 +49,13 @@ def load_scene(which: str | Path) -> Scene:
         spec.loader.exec_module(module)
     except CurveboundError:
         raise
+    except SystemExit as error:
+        raise OutsideError(
+            f"{path} ends the program while it is loaded: put scene.main() under "
+            '`if __name__ == "__main__":`.'
+        ) from error
     except Exception as error:
-        raise CurveboundError(f"{path} fails to load: {type(error).__name__}: {error}") from error
+        raise OutsideError(f"{path} fails to load: {type(error).__name__}: {error}") from error
     finally:
         sys.modules.pop(name, None)
     scene = getattr(module, "scene", None)

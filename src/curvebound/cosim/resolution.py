@@ -7,7 +7,7 @@ from collections.abc import Callable
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, OutsideError
 from .capabilities import lacking, located, stops
 from .fmu import Fmu, Value, Variable, nearest, read_fmu
 from .ordering import Ordering
@@ -30,6 +30,7 @@ class _Resolution:
     def __init__(self, scene: SceneData) -> None:
         self.scene = scene
         self.problems: list[str] = []
+        self.error = CurveboundError
         self.notes: list[str] = list(scene.notes)
         self.nodes: dict[str, Node] = {}
         self.driven: dict[Port, str] = {}  # input -> what drives it, for messages
@@ -61,7 +62,7 @@ class _Resolution:
         if self.problems:
             lines = "".join(f"\n- {problem}" for problem in self.problems)
             plural = "s" if len(self.problems) > 1 else ""
-            raise CurveboundError(
+            raise self.error(
                 f"The scene {self.scene.name} has {len(self.problems)} problem{plural}:{lines}"
             )
 
@@ -99,6 +100,7 @@ class _Resolution:
             fmu = read_fmu(located(component.source, self.scene.folder))
         except CurveboundError as error:
             self.problems.append(f"component {component.name}: {error}")
+            self.error = OutsideError if isinstance(error, OutsideError) else self.error
             return
         start: dict[str, Value] = {}
         for name, given in component.start.items():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import CurveboundError
+from ..cells import defused, undefused
+from ..errors import CurveboundError, at, reading
 from ..files import write_whole
 from ..fmi.drawing import Drawing
 
@@ -112,7 +114,7 @@ def write_csv(data: Table, path: Path | str) -> Path:
 def as_csv(columns: Mapping[str, Sequence[float]]) -> str:
     """The text of write_csv."""
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow(columns)
+    csv.writer(text, lineterminator="\n").writerow(map(defused, columns))
     for row in zip(*columns.values(), strict=True):
         text.write(",".join(map(repr, row)) + "\n")
     return text.getvalue()
@@ -124,37 +126,45 @@ def read_csv(path: Path | str) -> Table:
     A column whose every entry is an integer literal becomes int64, any other float64. Raises
     CurveboundError, which names file and line, on a file that is not such a table.
     """
-    path = Path(path)
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.reader(file) if row]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise CurveboundError(f"{path} cannot be read as a table: {error}") from error
+    with reading(f"{path} cannot be read as a table", "Give a CSV with a line of names."):
+        return _table(Path(path))
+
+
+def _table(path: Path) -> Table:
+    with path.open(newline="", encoding="utf-8") as file:
+        reader = csv.reader(file)
+        lines, rows = [], []
+        for row in reader:
+            if row:
+                lines.append(reader.line_num)
+                rows.append(row)
     if not rows:
-        raise CurveboundError(f"{path} is empty; a table begins with a line of column names.")
-    names = [name.strip().strip('"') for name in rows[0]]
-    if len(set(names)) != len(names):
-        raise CurveboundError(f"{path} names a column twice in its first line.")
-    for number, row in enumerate(rows[1:], 2):
+        raise ValueError("it is empty; a table begins with a line of column names")
+    names = [undefused(name).strip().strip('"') for name in rows[0]]
+    for number, name in enumerate(names, 1):
+        if not name:
+            raise ValueError(f"column {number} has no name in line 1")
+        if names.index(name) != number - 1:
+            raise ValueError(f"line 1 names the column {name} twice")
+    for number, row in zip(lines, rows, strict=True):
         if len(row) != len(names):
-            raise CurveboundError(
-                f"{path}, line {number}, has {len(row)} entries where the header names {len(names)}"
+            raise ValueError(
+                f"line {number} has {len(row)} entries where the header names {len(names)}"
             )
-    columns = []
+    arrays = []
     for i, name in enumerate(names):
-        texts = [row[i] for row in rows[1:]]
-        try:
-            columns.append(_column(texts))
-        except ValueError as error:
-            raise CurveboundError(f"{path}, column {name}: {error}") from error
-    dtype = [(name, column.dtype) for name, column in zip(names, columns, strict=True)]
-    table = np.zeros(len(rows) - 1, dtype=dtype)
-    for name, column in zip(names, columns, strict=True):
-        table[name] = column
+        with at(f"column {name}"):
+            arrays.append(_column([row[i] for row in rows[1:]]))
+    table = np.zeros(
+        len(rows) - 1, dtype=[(n, a.dtype) for n, a in zip(names, arrays, strict=True)]
+    )
+    for name, array in zip(names, arrays, strict=True):
+        table[name] = array
     return table
 
 
 def _column(texts: list[str]) -> NDArray[Any]:
     if texts and all(text.strip().lstrip("+-").isdigit() for text in texts):
-        return np.array([int(text) for text in texts], dtype=np.int64)
+        with suppress(OverflowError):  # beyond 64 bits: as near as doubles come
+            return np.array([int(text) for text in texts], dtype=np.int64)
     return np.array([float(text) for text in texts], dtype=np.float64)

@@ -131,9 +131,9 @@ class SceneData:
     ) -> None:
         self.name = name
         self.description = description
-        self.stop_time = stop_time
-        self.step = step
-        self.start_time = start_time
+        self.stop_time = _number("stop_time", stop_time)
+        self.step = _number("step", step)
+        self.start_time = _number("start_time", start_time)
         self.algorithm = algorithm
         self.order = list(order) if order is not None else None
         self.groups = groups
@@ -250,11 +250,7 @@ class SceneData:
         if name == "algorithm":
             self.algorithm = str(value)
             return
-        try:
-            unit = "1" if name.endswith("tolerance") else "s"
-            setattr(self, name, number(value, unit) if isinstance(value, str) else float(value))
-        except ValueError as error:
-            raise CurveboundError(f"{name}: {error}.") from None
+        setattr(self, name, _number(name, value))
 
     @property
     def rolls_back(self) -> bool:
@@ -286,3 +282,12 @@ class SceneData:
         for path, value in self.variants[name].items():
             other.set(path, value)
         return other
+
+
+def _number(name: str, value: Value) -> float:
+    """A setting of a scene; CurveboundError, which names it, where it is no number."""
+    try:
+        unit = "1" if name.endswith("tolerance") else "s"
+        return number(value, unit) if isinstance(value, str) else float(value)
+    except (TypeError, ValueError) as error:
+        raise CurveboundError(f"{name}: {error}.") from None

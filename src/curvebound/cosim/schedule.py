@@ -16,6 +16,7 @@ from .exchange import Call, Exchange
 from .graph import Loop
 from .instance import Instance
 from .loops import LoopSolver
+from .signals import value_of
 from .system import Port, System
 
 __all__ = ["TRIAL", "Clock", "Schedule"]
@@ -179,9 +180,9 @@ class Schedule:
         self.run(self.evaluation)
 
     def _set_signals(self, time: float) -> None:
-        for function, buffer, place, real in self._signals:
-            value = function(time)
-            buffer[place] = float(value) if real else int(value)  # type: ignore[assignment]
+        for function, path, buffer, place, real in self._signals:
+            value = value_of(function, path, time)
+            buffer[place] = value if real else int(value)  # type: ignore[assignment]
 
     def write_all(self) -> None:
         """Set every driven input of every component from the buffers."""

@@ -10,13 +10,24 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, OutsideError, reading, said
 from .results import read_csv
 
-__all__ = ["Signal", "SignalLike", "jumps_of", "signal"]
+__all__ = ["Signal", "SignalLike", "jumps_of", "signal", "value_of"]
 
 Signal = Callable[[float], float]
 SignalLike = float | int | bool | Signal | str | Path | tuple[Any, Any]
+
+
+def value_of(function: Signal, path: str, time: float) -> float:
+    """What drives the input `path` at a time in s; OutsideError where the function fails."""
+    try:
+        return float(function(time))
+    except Exception as error:
+        raise OutsideError(
+            f"The function that drives {path} fails at t = {time:.6g} s: {said(error)}. It must "
+            "give a number at every time of the run."
+        ) from error
 
 
 def signal(given: SignalLike, path: str) -> float | Signal:
@@ -29,12 +40,13 @@ def signal(given: SignalLike, path: str) -> float | Signal:
     """
     if isinstance(given, str | Path):
         return _table(*_columns(Path(given), path), what=f"{given}, input {path}")
-    if isinstance(given, tuple):
-        times, values = given
-        return _table(list(times), list(values), what=f"the table of input {path}")
     if callable(given):
         return given
-    return float(given)
+    with reading(f"input {path}", "Give a number, a function of time, (times, values) or a CSV."):
+        if isinstance(given, tuple):
+            times, values = ([float(x) for x in part] for part in given)
+            return _table(times, values, what=f"the table of input {path}")
+        return float(given)
 
 
 def _columns(file: Path, path: str) -> tuple[list[float], list[float]]:

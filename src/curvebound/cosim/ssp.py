@@ -18,14 +18,16 @@ import zipfile
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
+from urllib.parse import quote
 from xml.etree import ElementTree
 
-from ..files import write_whole
+from ..files import inside, write_whole
 from .fmu import BASE_UNITS, Value, Variable
 from .points import communication_times
 from .resolution import resolve
 from .results import as_csv
 from .scene_data import SceneData
+from .signals import value_of
 from .system import Port, System
 
 __all__ = ["ANNOTATION", "NAMESPACES", "PARAMETERS", "PARAMETER_SET", "in_fmpy", "write_ssp"]
@@ -61,7 +63,7 @@ def write_ssp(scene: SceneData, path: Path | str) -> Path:
     for name, node in system.nodes.items():
         if node.start:
             values = [(key, node.fmu.variables[key], v) for key, v in node.start.items()]
-            files[f"resources/{name}.ssv"] = _parameter_set(PARAMETER_SET, values)
+            files[_resource(name, ".ssv")] = _parameter_set(PARAMETER_SET, values)
     every = [
         (f"{name}.{key}", node.fmu.variables[key], value)
         for name, node in system.nodes.items()
@@ -105,15 +107,19 @@ def _pack_fmus(system: System, files: dict[str, bytes]) -> dict[str, str]:
     for name, node in system.nodes.items():
         source = of_path.get(node.fmu.path)
         if source is None:
-            source = f"resources/{node.fmu.model_name}.fmu"
+            source = _resource(node.fmu.model_name, ".fmu")
             number = 1
             while source in files:
                 number += 1
-                source = f"resources/{node.fmu.model_name}_{number}.fmu"
+                source = _resource(node.fmu.model_name, f"_{number}.fmu")
             of_path[node.fmu.path] = source
             files[source] = node.fmu.path.read_bytes()
-        sources[name] = source
+        sources[name] = quote(source)
     return sources
+
+
+def _resource(name: str, ending: str) -> str:
+    return inside(Path("resources"), name, ending).as_posix()
 
 
 def _tag(prefixed: str) -> str:
@@ -156,7 +162,8 @@ def _inputs(system: System) -> bytes:
     rows.sort()
     columns = {"time": [t for t, _ in rows]}
     for port, function in system.signals.items():
-        columns[".".join(port)] = [float(function(at)) for _, at in rows]
+        path = ".".join(port)
+        columns[path] = [value_of(function, path, at) for _, at in rows]
     return as_csv(columns).encode()
 
 
@@ -235,7 +242,7 @@ class _Structure:
                 self._connector(connectors, variable, kind, (name, variable))
         if self.system.nodes[name].start:
             bindings = _add(component, "ssd:ParameterBindings")
-            _add(bindings, "ssd:ParameterBinding", source=f"resources/{name}.ssv")
+            _add(bindings, "ssd:ParameterBinding", source=quote(_resource(name, ".ssv")))
 
     def _connections(self, top: ElementTree.Element) -> None:
         if not (self.system.links or self.system.signals):

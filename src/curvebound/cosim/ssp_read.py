@@ -13,7 +13,6 @@ the letter of FMI every coupling of two of them would be an algebraic loop.
 from __future__ import annotations
 
 import atexit
-import json
 import shutil
 import tempfile
 import zipfile
@@ -23,13 +22,13 @@ from typing import Any, NamedTuple
 from urllib.parse import unquote
 from xml.etree import ElementTree
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, at, reading
 from .fmu import Fmu, Value, Variable, conversion, extracted, read_fmu
 from .results import read_csv
 from .scene import Scene
-from .scene_data import Adaptive, Needs
 from .ssp import ANNOTATION, NAMESPACES
-from .ssp_values import Parameter, Transformation, bound_values, units_of
+from .ssp_settings import read_settings
+from .ssp_values import Parameter, Transformation, bound_values, number, units_of
 from .system import Port
 
 __all__ = ["read_ssp"]
@@ -43,37 +42,33 @@ def read_ssp(path: Path | str) -> Scene:
     Raises CurveboundError, which names what cannot be read and why.
     """
     path = Path(path)
-    folder = _unpack(path)
-    ssd = folder / "SystemStructure.ssd"
-    if not ssd.is_file():
-        raise CurveboundError(f"{path} holds no SystemStructure.ssd; it is no SSP package.")
-    try:
-        root = ElementTree.parse(ssd).getroot()
-    except ElementTree.ParseError as error:
-        raise CurveboundError(f"{path}: SystemStructure.ssd is no XML: {error}") from error
-    system = root.find("ssd:System", NAMESPACES)
-    if system is None:
-        raise CurveboundError(f"{path}: SystemStructure.ssd describes no system.")
-    return _Reader(path, folder, root).scene(system)
+    if not path.is_file():
+        raise CurveboundError(f"There is no SSP package at {path}.")
+    with reading(f"{path} cannot be read as an SSP package", "Get it anew, or mend that."):
+        folder = _unpack(path)
+        ssd = folder / "SystemStructure.ssd"
+        if not ssd.is_file():
+            raise ValueError("it holds no SystemStructure.ssd")
+        with at("SystemStructure.ssd is no XML"):
+            root = ElementTree.parse(ssd).getroot()
+        system = root.find("ssd:System", NAMESPACES)
+        if system is None:
+            raise ValueError("SystemStructure.ssd describes no system")
+        return _Reader(path, folder, root).scene(system)
 
 
 _unpacked: dict[tuple[str, int, int], Path] = {}
 
 
 def _unpack(path: Path) -> Path:
-    if not path.is_file():
-        raise CurveboundError(f"There is no SSP package at {path}.")
     status = path.stat()
     identity = (str(path.resolve()), status.st_mtime_ns, status.st_size)
     folder = _unpacked.get(identity)
     if folder is None or not folder.is_dir():
         folder = Path(tempfile.mkdtemp(prefix="curvebound_ssp_"))
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        try:
-            with zipfile.ZipFile(path) as archive:
-                archive.extractall(folder)
-        except zipfile.BadZipFile as error:
-            raise CurveboundError(f"{path} is no SSP package: {error}") from error
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(folder)
         _unpacked[identity] = folder
     return folder
 
@@ -119,8 +114,8 @@ class _Reader:
             loop_tolerance=settings.get("loop_tolerance"),
             tolerance=settings.get("tolerance"),
             record_every=settings.get("record_every", 1),
-            adaptive=Adaptive(**settings["adaptive"]) if "adaptive" in settings else None,
-            needs=Needs(**settings["needs"]) if "needs" in settings else None,
+            adaptive=settings.get("adaptive"),
+            needs=settings.get("needs"),
         )
         for name, values in settings.get("variants", {}).items():
             scene.variant(name, values)
@@ -153,8 +148,8 @@ class _Reader:
             elif kind == "Component":
                 self._component(child, inner)
             else:
-                raise CurveboundError(
-                    f"{self.path}: element {name} is a {kind}, which cannot be read; "
+                raise ValueError(
+                    f"element {name} is a {kind}, which cannot be read; "
                     "connect the components directly"
                 )
         for connection in system.findall("ssd:Connections/ssd:Connection", NAMESPACES):
@@ -174,14 +169,14 @@ class _Reader:
         source = unquote(component.get("source", ""))
         kind = component.get("type", "application/x-fmu-sharedlibrary")
         if kind != "application/x-fmu-sharedlibrary":
-            raise CurveboundError(
-                f"{self.path}: component {name} is of type {kind}; only FMUs can be read"
-            )
+            raise ValueError(f"component {name} is of type {kind}; only FMUs can be read")
         file = (self.folder / source).resolve()
         if not file.is_relative_to(self.folder.resolve()):
-            raise CurveboundError(f"{self.path}: the source {source} of {name} leaves the package")
+            raise ValueError(f"the source {source} of {name} leaves the package")
         if name in self.fmus:
-            raise CurveboundError(f"{self.path}: two components come to the name {name}")
+            raise ValueError(f"two components come to the name {name}")
+        if not file.is_file():
+            raise ValueError(f"it has no file {source}, the FMU of {name}")
         self.fmus[name] = read_fmu(file)
         self.start[name] = {}
         self._element(component, name, True)
@@ -195,22 +190,23 @@ class _Reader:
                 inner = (f"{owner}_{element}" if owner else element).replace(".", "_")
             port = (inner, connection.get(end + "Connector", ""))
             if port not in self.kinds:
-                raise CurveboundError(
-                    f"{self.path}: a connection names {inner or 'the system'}.{port[1]}, "
-                    "which is no connector"
+                raise ValueError(
+                    f"a connection names {inner or 'the system'}.{port[1]}, which is no connector"
                 )
             # what an inner system or component puts out is a source, what its own system takes in
             gives = self.kinds[port] in ("output", "calculatedParameter")
             ends.append((port, gives if element is not None else not gives))
         (first, first_gives), (second, second_gives) = ends
         if first_gives == second_gives:
-            raise CurveboundError(
-                f"{self.path}: the connection of {'.'.join(first)} and {'.'.join(second)} has "
+            raise ValueError(
+                f"the connection of {'.'.join(first)} and {'.'.join(second)} has "
                 "no direction: " + ("both give" if first_gives else "both take") + " a value"
             )
         source, target = (first, second) if first_gives else (second, first)
         suppress = connection.get("suppressUnitConversion") in ("true", "1")
-        self.links.append(_Join(source, target, Transformation.of(connection), suppress))
+        with at(f"the connection from {'.'.join(source)} to {'.'.join(target)}"):
+            change = Transformation.of(connection)
+        self.links.append(_Join(source, target, change, suppress))
 
     def _connect(self, scene: Scene) -> None:
         """Follow each component's input through systems to the output that drives it."""
@@ -218,9 +214,11 @@ class _Reader:
         for target in [t for t in into if t[0] in self.fmus]:
             source, factor, offset, suppress = target, 1.0, 0.0, False
             tables: list[Transformation] = []
+            seen = {source}
             while source in into:
                 join = into[source]
                 source, change = join.source, join.change
+                _require_new(source, seen)
                 factor, offset = change.factor * factor, change.offset * factor + offset
                 suppress = suppress or join.suppress
                 tables += [change] if change.entries else []
@@ -228,8 +226,8 @@ class _Reader:
                 self.system_inputs.setdefault(source, []).append(target)
                 continue
             if self.kinds[target] == "parameter":
-                raise CurveboundError(
-                    f"{self.path}: {'.'.join(source)} sets the parameter {'.'.join(target)}; "
+                raise ValueError(
+                    f"{'.'.join(source)} sets the parameter {'.'.join(target)}; "
                     "what one component calculates cannot be a parameter of another here, "
                     "give the value instead"
                 )
@@ -252,8 +250,8 @@ class _Reader:
         mapping = None
         if a is not None and b is not None:
             if len(tables) > 1:
-                raise CurveboundError(
-                    f"{self.path}: the connection from {'.'.join(source)} to {'.'.join(target)} "
+                raise ValueError(
+                    f"the connection from {'.'.join(source)} to {'.'.join(target)} "
                     "is mapped more than once on its way, which cannot be read"
                 )
             mapping = tables[0].numbers(a, b) if tables else None
@@ -278,8 +276,9 @@ class _Reader:
             folder = self.folder
             if binding.get("sourceBase") == "component" and is_component:
                 folder = extracted(self.fmus[owner])
-            for parameter in bound_values(binding, folder, self.path):
-                self._apply(owner, parameter, is_component, outward)
+            with at(f"parameters of {owner or 'the system'}"):
+                for parameter in bound_values(binding, folder):
+                    self._apply(owner, parameter, is_component, outward)
 
     def _apply(
         self, owner: str, parameter: Parameter, is_component: bool, outward: dict[Port, list[_Join]]
@@ -292,8 +291,10 @@ class _Reader:
         if port in self.kinds:  # a connector of the system: down to what it is joined to
             unit = parameter.unit or self.connector_units.get(port)
             following = [(port, replace(parameter, unit=unit))]
+            seen: set[Port] = set()
             while following:
                 port, value = following.pop()
+                _require_new(port, seen)
                 if port[0] in self.fmus:
                     self._give(port, value)
                 for join in outward.get(port, ()):
@@ -351,10 +352,8 @@ class _Reader:
     ) -> Value:
         units = conversion(of, to)
         if units is None:
-            raise CurveboundError(
-                f"{self.path}: {'.'.join(port)} is given in {unit} and has the unit {own}"
-            )
-        return value if units == (1.0, 0.0) else float(value) * units[0] + units[1]
+            raise ValueError(f"{'.'.join(port)} is given in {unit} and has the unit {own}")
+        return value if units == (1.0, 0.0) else number(value, ".".join(port)) * units[0] + units[1]
 
     def _give(self, port: Port, parameter: Parameter) -> None:
         variable = self._variable(port)
@@ -385,9 +384,8 @@ class _Reader:
     def _settings(self) -> dict[str, Any]:
         for annotation in self.root.iter(f"{{{NAMESPACES['ssc']}}}Annotation"):
             if annotation.get("type") == ANNOTATION:
-                text = annotation.findtext("cvb:Scene", "{}", NAMESPACES)
-                loaded: dict[str, Any] = json.loads(text)
-                return loaded
+                with at("the annotation Scene"):
+                    return read_settings(annotation.findtext("cvb:Scene", "{}", NAMESPACES))
         return {}
 
     def _times(self) -> tuple[float, float]:
@@ -395,15 +393,21 @@ class _Reader:
         start = stop = None
         if experiment is not None:
             start, stop = experiment.get("startTime"), experiment.get("stopTime")
-        begin = float(start) if start is not None else 0.0
+        begin = number(start, "startTime of the DefaultExperiment") if start is not None else 0.0
         if stop is not None:
-            return begin, float(stop)
+            return begin, number(stop, "stopTime of the DefaultExperiment")
         ends = [fmu.stop_time for fmu in self.fmus.values() if fmu.stop_time is not None]
         return begin, max(ends, default=begin + 1.0)
 
     def _step(self, start: float, stop: float) -> float:
         fixed = self.root.find(".//osp:FixedStepAlgorithm", NAMESPACES)
         if fixed is not None and fixed.get("baseStepSize"):
-            return float(fixed.get("baseStepSize", ""))
+            return number(fixed.get("baseStepSize"), "baseStepSize of the FixedStepAlgorithm")
         steps = [fmu.step for fmu in self.fmus.values() if fmu.step]
         return min(steps, default=(stop - start) / 1000.0)
+
+
+def _require_new(port: Port, seen: set[Port]) -> None:
+    if port in seen:
+        raise ValueError(f"its connections lead from {'.'.join(port).lstrip('.')} back to it")
+    seen.add(port)

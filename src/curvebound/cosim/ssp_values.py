@@ -8,11 +8,11 @@ from typing import NamedTuple
 from urllib.parse import unquote
 from xml.etree import ElementTree
 
-from ..errors import CurveboundError
+from ..errors import at
 from .fmu import BASE_UNITS, Value, Variable
 from .ssp import NAMESPACES
 
-__all__ = ["Parameter", "Transformation", "bound_values", "units_of"]
+__all__ = ["Parameter", "Transformation", "bound_values", "number", "units_of"]
 
 Element = ElementTree.Element
 
@@ -42,7 +42,7 @@ class Transformation(NamedTuple):
         """That of a Connection or MappingEntry."""
         linear = element.find("ssc:LinearTransformation", NAMESPACES)
         if linear is not None:
-            return cls(float(linear.get("factor", "1")), float(linear.get("offset", "0")))
+            return cls(*_linear(linear, "a LinearTransformation"))
         for kind in ("Boolean", "Integer", "Enumeration"):
             table = element.find(f"ssc:{kind}MappingTransformation", NAMESPACES)
             if table is not None:
@@ -59,7 +59,7 @@ class Transformation(NamedTuple):
             return dict(self.entries).get(word, value)
         if (self.factor, self.offset) == (1.0, 0.0):
             return value
-        return self.factor * float(value) + self.offset
+        return self.factor * number(value, "a value") + self.offset
 
     def numbers(self, of: Variable, to: Variable) -> dict[int, int] | None:
         """Its table as whole numbers, between variables of these types."""
@@ -70,7 +70,21 @@ class Transformation(NamedTuple):
 def _number(text: str, variable: Variable) -> int:
     if variable.items is not None and text in variable.items:
         return variable.items[text]
-    return int({"true": "1", "false": "0"}.get(text, text))
+    with at(f"an entry of a mapping for {variable.name}"):
+        return int({"true": "1", "false": "0"}.get(text, text))
+
+
+def number(text: object, what: str) -> float:
+    """The number in a text; ValueError, which names `what` it is, where it is none."""
+    try:
+        return float(text)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} is {text!r}, which is no number") from None
+
+
+def _linear(element: Element, of: str) -> tuple[float, float]:
+    factor = number(element.get("factor", "1"), f"the factor of {of}")
+    return factor, number(element.get("offset", "0"), f"the offset of {of}")
 
 
 def units_of(element: Element | None) -> dict[str, tuple[float, ...]]:
@@ -79,18 +93,20 @@ def units_of(element: Element | None) -> dict[str, tuple[float, ...]]:
     for unit in () if element is None else element.findall("ssc:Unit", NAMESPACES):
         base = unit.find("ssc:BaseUnit", NAMESPACES)
         if base is not None:
-            exponents = [float(base.get(name, "0")) for name in BASE_UNITS]
-            ends = [float(base.get("factor", "1")), float(base.get("offset", "0"))]
-            found[unit.get("name", "")] = (*exponents, *ends)
+            what = f"the unit {unit.get('name', '')}"
+            exponents = [
+                number(base.get(name, "0"), f"the exponent {name} of {what}") for name in BASE_UNITS
+            ]
+            found[unit.get("name", "")] = (*exponents, *_linear(base, what))
     return found
 
 
-def bound_values(binding: Element, folder: Path, package: Path) -> list[Parameter]:
+def bound_values(binding: Element, folder: Path) -> list[Parameter]:
     """The parameters that one ParameterBinding gives, mapped, with its prefix before the names."""
     source = binding.get("source")
     sets: list[Element]
     if source is not None:
-        sets = [_parse(folder, source, package)]
+        sets = [_parse(folder, source)]
     else:
         sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
     prefix = binding.get("prefix", "")  # before the names of the source, mapped or not
@@ -102,23 +118,23 @@ def bound_values(binding: Element, folder: Path, package: Path) -> list[Paramete
     for mapping in binding.findall("ssd:ParameterMapping", NAMESPACES):
         file = mapping.get("source")
         entries = (
-            _parse(folder, file, package)
+            _parse(folder, file)
             if file is not None
             else mapping.find("ssm:ParameterMapping", NAMESPACES)
         )
         if entries is not None:
-            values = _mapped(values, entries, package)
+            values = _mapped(values, entries)
     return values
 
 
-def _parse(folder: Path, source: str, package: Path) -> Element:
+def _parse(folder: Path, source: str) -> Element:
     file = (folder / unquote(source)).resolve()
     if not file.is_relative_to(folder.resolve()) or not file.is_file():
-        raise CurveboundError(f"{package} has no file {source}, which it binds as parameters")
+        raise ValueError(f"it has no file {source}, which it binds as parameters")
     try:
         return ElementTree.parse(file).getroot()
     except ElementTree.ParseError as error:
-        raise CurveboundError(f"{package}: {source} is no XML: {error}") from error
+        raise ValueError(f"{source} is no XML: {error}") from error
 
 
 def _values(parameter_set: Element) -> list[Parameter]:
@@ -130,12 +146,13 @@ def _values(parameter_set: Element) -> list[Parameter]:
             if kind not in ("Real", "Integer", "Boolean", "String", "Enumeration"):
                 continue
             text = typed.get("value", "")
-            value: Value = float(text) if kind == "Real" else text
-            found.append(Parameter(parameter.get("name", ""), value, typed.get("unit"), units))
+            name = parameter.get("name", "")
+            value: Value = number(text, name) if kind == "Real" else text
+            found.append(Parameter(name, value, typed.get("unit"), units))
     return found
 
 
-def _mapped(values: list[Parameter], mapping: Element, package: Path) -> list[Parameter]:
+def _mapped(values: list[Parameter], mapping: Element) -> list[Parameter]:
     """Only what is mapped is applied (SSP 1.0, section 4.5.2.2)."""
     by_name = {parameter.name: parameter for parameter in values}
     mapped = []

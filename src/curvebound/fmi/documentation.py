@@ -6,6 +6,7 @@ from html import escape
 from importlib.metadata import distribution
 
 from .. import __version__
+from ..cells import defused
 from ..places import license_text
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
 from .folder import Folder
@@ -54,7 +55,7 @@ def documentation_files(folder: Folder) -> dict[str, bytes]:
 def csv_text(columns: dict[str, list[float]]) -> str:
     """Comma-separated columns under a line of their names; floats keep every digit."""
     rows = zip(*columns.values(), strict=True)
-    lines = [",".join(f'"{name}"' for name in columns)]
+    lines = [",".join(f'"{defused(name)}"' for name in columns)]
     lines += [",".join(repr(x) for x in row) for row in rows]
     return "\n".join(lines) + "\n"
 

@@ -6,7 +6,7 @@ import importlib.util
 
 from ..errors import CurveboundError
 
-__all__ = ["require"]
+__all__ = ["missing", "require"]
 
 _NEEDED = {
     "study": ("mpmath", "scipy"),
@@ -16,12 +16,20 @@ _NEEDED = {
 }
 
 
+def missing(extra: str) -> str:
+    """What is not installed of an extra's packages, with the command that installs it; or ''."""
+    absent = [name for name in _NEEDED[extra] if importlib.util.find_spec(name) is None]
+    if not absent:
+        return ""
+    remedy = f"'curvebound[{'sweep' if extra == 'parquet' else extra}]'"
+    return (
+        f"This needs {' and '.join(absent)}, not installed here. "
+        f"Install it with `pip install {remedy}`."
+    )
+
+
 def require(extra: str) -> None:
     """Raise CurveboundError, which says what to install, unless an extra's packages are there."""
-    missing = [name for name in _NEEDED[extra] if importlib.util.find_spec(name) is None]
-    if missing:
-        remedy = f"'curvebound[{'sweep' if extra == 'parquet' else extra}]'"
-        raise CurveboundError(
-            f"This needs {' and '.join(missing)}, not installed here. "
-            f"Install it with `pip install {remedy}`."
-        )
+    text = missing(extra)
+    if text:
+        raise CurveboundError(text)

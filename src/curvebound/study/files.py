@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ..cells import cell, defused
 from ..files import write_whole
 
 __all__ = ["read_json", "write_json", "write_rows"]
@@ -23,15 +24,11 @@ def write_rows(rows: Sequence[Row], out: Path) -> Path:
     def write(path: Path) -> None:
         with path.open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file, lineterminator="\n")
-            table.writerow(names)
+            table.writerow(map(defused, names))
             for row in rows:
-                table.writerow(["" if row.get(n) is None else _cell(row[n]) for n in names])
+                table.writerow([cell(row.get(name)) for name in names])
 
     return write_whole(out, write)
-
-
-def _cell(value: Any) -> str:
-    return repr(value) if isinstance(value, float) else str(value)
 
 
 def write_json(data: Any, out: Path) -> Path:

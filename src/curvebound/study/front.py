@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-__all__ = ["cheapest", "pareto", "usable"]
+__all__ = ["cheapest", "equals", "pareto", "usable"]
 
 Row = dict[str, Any]
 
@@ -38,3 +38,18 @@ def cheapest(rows: Sequence[Row], bound: float, error: str = "error") -> Row | N
     """The cheapest row with an error below the bound."""
     good = [row for row in rows if row[error] <= bound]
     return min(good, key=lambda row: row["cpu"], default=None)
+
+
+def equals(rows: Sequence[Row], bound: float, error: str = "error") -> list[Row]:
+    """Rows of other forms and methods that timing does not tell from the cheapest one.
+
+    Those whose lowest cost is below the highest of the cheapest: the best one of each.
+    """
+    best = cheapest(rows, bound, error)
+    if best is None:
+        return []
+    found: dict[tuple[str, str], Row] = {(best["form"], best["method"]): best}
+    for row in sorted(rows, key=lambda r: float(r["cpu"])):
+        if row[error] <= bound and row.get("cpu_low", row["cpu"]) <= best.get("cpu_high", 0.0):
+            found.setdefault((row["form"], row["method"]), row)
+    return [row for row in found.values() if row is not best]

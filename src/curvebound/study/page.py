@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import html
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
-from ..files import write_whole
-from .front import pareto, usable
-from .teach import crossings, lessons
+from ..files import inside, write_whole
+from .front import equals, pareto, usable
+from .teach import crossings, lessons, name_of, spread_of
 from .trust import MEASURES, Trust
 
 __all__ = ["document", "overview_page", "study_page"]
@@ -130,13 +132,15 @@ def study_page(
     parts.append("<h2>The cheapest setting for an error</h2>")
     parts.append(
         _table(
-            ["error below", "setting", "size", "macro step / s", "error", "CPU s per s"],
+            ["error below", "setting", "size", "macro step / s", "error", "CPU s per s",
+             "not told apart"],
             [
                 [f"{level:.0e}", *(_setting(row) if row else ["none", "-", "-"]),
-                 row["error"] if row else None, row["cpu"] if row else None]
+                 row["error"] if row else None, spread_of(row) if row else None,
+                 ", ".join(map(name_of, equals(good, level))) or "-"]
                 for level, row in crossings(rows)
             ],
-            words=(0, 1),
+            words=(0, 1, 6),
         )
     )  # fmt: skip
     parts.append("<h2>Work and precision</h2>")
@@ -173,9 +177,9 @@ def study_page(
         parts.append(f"<h2>Failed: {len(failed)} settings</h2>")
         parts.append(
             _table(
-                ["setting", "size", "macro step / s", "message"],
-                [[*_setting(row), row["failure"]] for row in failed[:40]],
-                words=(0, 3),
+                ["settings", "first of them", "size", "macro step / s", "message"],
+                [[len(same), *_setting(same[0]), message] for message, same in _alike(failed)],
+                words=(1, 4),
             )
         )
     parts.append(
@@ -184,6 +188,14 @@ def study_page(
     )
     text = document(f"{name}: a study", "\n".join(parts), footer)
     return write_whole(out, lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def _alike(failed: Sequence[Row]) -> list[tuple[str, list[Row]]]:
+    """Failed rows by what the FMU said, whatever the time at which it said it."""
+    found: dict[str, list[Row]] = {}
+    for row in failed:
+        found.setdefault(re.sub(r"\d[\d.e+-]*", "#", row["failure"]), []).append(row)
+    return [(same[0]["failure"], same) for same in found.values()]
 
 
 def _references(references: Sequence[Row], rows: Sequence[Row]) -> str:
@@ -251,7 +263,8 @@ def overview_page(
                      row["cpu"] if row else None]
                 )  # fmt: skip
     links = "".join(
-        f'<li><a href="{html.escape(name)}/index.html">{html.escape(name)}</a>: '
+        f'<li><a href="{html.escape(quote(inside(Path(), name).name))}/index.html">'
+        f"{html.escape(name)}</a>: "
         f"{html.escape(study['description'])}</li>"
         for name, study in studies.items()
     )

@@ -61,10 +61,14 @@ def save(figure: Any, out: Path) -> list[Path]:
     """Write OUT.png and OUT.svg; the SVG's text stays text."""
     from matplotlib import rc_context
 
-    png = write_whole(out.with_suffix(".png"), lambda path: figure.savefig(path, dpi=130))
+    base = out.with_suffix("") if out.suffix in (".png", ".svg") else out
+    png = write_whole(
+        base.with_name(base.name + ".png"), lambda path: figure.savefig(path, dpi=130)
+    )
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": "curvebound"}):
         svg = write_whole(
-            out.with_suffix(".svg"), lambda path: figure.savefig(path, metadata={"Date": None})
+            base.with_name(base.name + ".svg"),
+            lambda path: figure.savefig(path, metadata={"Date": None}),
         )
     return [png, svg]
 

@@ -8,18 +8,16 @@ and holds for every build of them.
 from __future__ import annotations
 
 import ast
-import pickle
-import uuid
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import cache
+from .described import described
 from .equations import Array
 from .monolith import Monolith, Value
 
@@ -53,7 +51,7 @@ def question(
     for path, value in sorted((changes or {}).items()):
         parts += [path, value if isinstance(value, str) else [*map(repr, np.ravel(value))]]
     for port, function in system.signals.items():
-        parts += [port, _described(function)]
+        parts += [port, described(function)]
     events = list(Monolith(system, changes, continuous=continuous).events(stop))
     return [*map(str, parts), *paths, *map(repr, events)]
 
@@ -75,34 +73,6 @@ def _code() -> str:
                 files = {path.with_suffix(".py"), *path.glob("*.py")}  # a module, or a package
                 new |= {f for f in files - found if f.is_file() and f.parent.name != "cosim"}
     return cache.sources(*sorted(found))
-
-
-def _described(value: object, above: tuple[object, ...] = ()) -> str:
-    """What a function of time is made of: its code and all values in it.
-
-    What cannot be seen through is like nothing else: it is computed anew.
-    """
-    if isinstance(value, CodeType):
-        return f"{value.co_code.hex()} {[_described(const, above) for const in value.co_consts]}"
-    if isinstance(value, ModuleType):
-        return value.__name__
-    if isinstance(value, FunctionType):
-        code = value.__code__
-        held = [cell.cell_contents for cell in value.__closure__ or ()]
-        held += [value.__globals__[name] for name in code.co_names if name in value.__globals__]
-        held += [code, value.__defaults__, value.__kwdefaults__]
-        inside = [v for v in held if all(v is not one for one in (*above, value))]  # recursion
-        return " ".join([*code.co_names, *(_described(v, (*above, value)) for v in inside)])
-    if isinstance(value, bool | int | float | str | bytes | type(None)):
-        return repr(value)
-    if isinstance(value, list | tuple):
-        return f"[{' '.join(_described(v, above) for v in value)}]"
-    try:
-        if callable(value) and type(value).__module__ != "builtins":
-            return f"{_described(type(value).__call__, above)} {pickle.dumps(value).hex()}"
-        return pickle.dumps(value).hex()
-    except Exception:  # whatever a foreign object raises
-        return uuid.uuid4().hex
 
 
 def kept(

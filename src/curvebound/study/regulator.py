@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CurveboundError
+from .extras import require
 
 __all__ = ["STATES", "gains", "linear_model"]
 
@@ -90,12 +91,9 @@ def gains(
     continuous algebraic Riccati equation (Kalman 1960; scipy.linalg.solve_continuous_are).
     Raises CurveboundError when no feedback stabilises the system or scipy is not there.
     """
-    try:
-        from scipy.linalg import solve_continuous_are
-    except ImportError:
-        raise CurveboundError(
-            "Gains need scipy; install curvebound with its extra `study`."
-        ) from None
+    require("study")
+    from scipy.linalg import solve_continuous_are
+
     weights = weights or {}
     unknown = weights.keys() - set(STATES)
     if unknown:

@@ -137,6 +137,10 @@ class Runner:
 
     def cost(self, setting: Setting, start: Mapping[str, Value] | None = None) -> float:
         """CPU time per simulated second, set-up excluded: the median of some runs."""
+        return median(self.costs(setting, start))
+
+    def costs(self, setting: Setting, start: Mapping[str, Value] | None = None) -> list[float]:
+        """CPU time per simulated second of some runs, set-up excluded: how much they differ."""
         prepared = self._ready(setting.algorithm, False)
         values = {**(start or {}), **self.space.start(setting)}
         prepared.scene.record_every = 1
@@ -155,7 +159,8 @@ class Runner:
                 found.append(taken / _meter.slowness(before, speed))
             if spent[0] > 0.3:
                 break
-        return max(median(spent) - median(set_up), _SHORTEST) / self.span
+        own = median(set_up)
+        return [max(one - own, _SHORTEST) / self.span for one in spent]
 
     @staticmethod
     def _timed(prepared: Prepared, values: dict[str, Value], step: float, stop: float) -> float:

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import __version__
-from ..files import write_whole
+from .. import cache
+from ..files import append, write_whole
 from .amplitudes import amplitude_rows
+from .contenders import time_again
+from .described import described
 from .grid import Family, grid, is_sampled
 from .runner import Outcome, Runner
 from .settings import Setting, Space, space_of
@@ -31,6 +33,11 @@ Row = dict[str, Any]
 #: told (settings done, settings in all, label of the present one)
 Progress = Callable[[int, int, str], None]
 
+_PACKAGE = Path(__file__).resolve().parents[1]
+_SETTINGS = (
+    *("start_time", "stop_time", "step", "algorithm", "tolerance", "loop_tolerance"),
+    "record_every",
+)
 _FLOOR = 3e-15  # errors below this are rounding: finer settings cannot show more
 
 
@@ -49,26 +56,23 @@ def study_outputs(scene: Scene, system: System) -> list[str]:
 
 
 def identity(system: System, **settings: Any) -> str:
-    """A word that changes with anything the results depend on: FMUs, scene, what was asked."""
+    """A word that changes with all that results depend on: code, FMUs, scene, what was asked."""
     scene = system.scene
-    described = {
-        "version": __version__,
-        "nodes": {
-            name: [node.fmu.guid, sorted(node.start.items())] for name, node in system.nodes.items()
-        },
-        "links": [str(link) for link in system.links],
-        "signals": {
-            ".".join(port): [
-                function(scene.start_time + i * (scene.stop_time - scene.start_time) / 97)
-                for i in range(98)
-            ]
-            for port, function in system.signals.items()
-        },
-        "scene": [scene.start_time, scene.stop_time, scene.step, scene.algorithm],
-        **settings,
-    }
-    text = json.dumps(described, sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    parts: list[object] = [cache.sources(_PACKAGE), sorted(settings.items())]
+    parts += [
+        (
+            name,
+            node.fmu.guid,
+            node.dependencies,
+            node.initial_dependencies,
+            sorted(node.start.items()),
+        )
+        for name, node in system.nodes.items()
+    ]
+    parts += [*map(str, system.links), scene.groups, scene.order, scene.adaptive]
+    parts += [getattr(scene, name) for name in _SETTINGS]
+    parts += [(port, described(function)) for port, function in system.signals.items()]
+    return hashlib.sha256("\0".join(map(str, parts)).encode()).hexdigest()[:16]
 
 
 @dataclass
@@ -118,6 +122,7 @@ class Study:
             progress(0, count, "references")
         self.references = [_described(truths, self.space.truth, "scene")]
         done = 0
+        settings: dict[str, Setting] = {}
         with Runner(self.scene, self.space, self.paths) as runner:
             for family in families:
                 done_before = done
@@ -134,9 +139,14 @@ class Study:
                         row["key"] = key
                         _append(journal, row)
                     self.rows.append(row)
+                    settings[key] = setting
                     before = row
                     done += 1
                 done = done_before + len(family.settings)
+            if progress is not None:
+                progress(done, count, "the cheapest again")
+            for row in time_again(self.rows, settings, runner):
+                _append(journal, row)
             if progress is not None:
                 progress(done, count, "smaller motions")
             for row in amplitude_rows(self, runner, known):
@@ -238,11 +248,11 @@ class Study:
             return {}
         word = identity(self.system, quick=self.quick, paths=self.paths)
         rows: dict[str, Row] = {}
-        with suppress(OSError, ValueError, KeyError):
+        with suppress(Exception):  # not there, or no journal of a study
             lines = journal.read_text(encoding="utf-8").splitlines()
             if json.loads(lines[0])["identity"] == word:
                 for line in lines[1:]:
-                    with suppress(ValueError):  # the last line of a process that was killed
+                    with suppress(Exception):  # the last line of a process that was killed
                         row = json.loads(line)
                         rows[row["key"]] = row
         if not rows:
@@ -253,8 +263,7 @@ class Study:
 
 def _append(journal: Path | None, row: Row) -> None:
     if journal is not None:
-        with journal.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(row) + "\n")
+        append(journal, json.dumps(row) + "\n")
 
 
 def _described(truths: Truths, model: dict[str, str], what: str) -> Row:

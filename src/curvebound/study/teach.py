@@ -7,14 +7,15 @@ import statistics
 from collections.abc import Sequence
 from typing import Any
 
-from .front import cheapest, usable
+from .front import cheapest, equals, usable
 
-__all__ = ["LEVELS", "crossings", "lessons", "order_of", "ratio_of_forms"]
+__all__ = ["LEVELS", "crossings", "lessons", "name_of", "order_of", "ratio_of_forms", "spread_of"]
 
 Row = dict[str, Any]
 
 #: errors for which the cheapest setting is named
 LEVELS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+_ROUNDING = 1e-12  # error of doubles, relative to the size of the motion
 _LOW, _HIGH = 1e-12, 3e-2  # errors between rounding and nonsense, where laws can be seen
 
 
@@ -67,6 +68,18 @@ def crossings(rows: Sequence[Row]) -> list[tuple[float, Row | None]]:
     return [(level, cheapest(good, level)) for level in LEVELS]
 
 
+def name_of(row: Row) -> str:
+    """Form and method of a row."""
+    return f"{row['form']} {row['method']}".strip()
+
+
+def spread_of(row: Row) -> str:
+    """The cost of a row, with the range of its timings where there are several."""
+    if "cpu_low" not in row:
+        return f"{row['cpu']:.1e}"
+    return f"{row['cpu']:.1e} ({row['cpu_low']:.1e} to {row['cpu_high']:.1e})"
+
+
 def lessons(rows: Sequence[Row]) -> list[str]:
     """Sentences on formulation, method, step and model."""
     good = usable(rows, error="numerical")
@@ -91,8 +104,11 @@ def lessons(rows: Sequence[Row]) -> list[str]:
     if exact:
         worst = max(row["numerical"] for row in exact)
         steps = ", ".join(f"{row['macro_step']:g}" for row in exact)
+        free = worst < _ROUNDING * max(1.0, *(row.get("amplitude") or 0.0 for row in exact))
         said.append(
             f"exact is free of numerical error, {worst:.1g} at macro steps of {steps} s: rounding."
+            if free
+            else f"exact has an error of {worst:.1g} at macro steps of {steps} s."
         )
     measured = []
     for method in methods:
@@ -114,12 +130,14 @@ def _dearest(rows: Sequence[Row]) -> list[str]:
     parts: list[str] = []
     last = ""
     for level, row in found:
-        label = f"{row['form']} {row['method']}".strip()
+        label = " or ".join([name_of(row), *map(name_of, equals(usable(rows), level))])
         if label != last:
             parts.append(f"{label} from {level:.0e} on")
             last = label
     unmet = [level for level, row in crossings(rows) if row is None]
-    text = "The cheapest: " + ", ".join(parts) + "."
+    text = "The cheapest: " + "; ".join(parts) + "."
+    if any(" or " in part for part in parts):
+        text += " (What `or` joins, the timings do not tell apart.)"
     if unmet:
         text += f" No setting reaches {max(unmet):.0e}."
     return [text]

@@ -44,7 +44,8 @@ class Point:
 class Trust:
     """The factor true / said over `count` runs; correlation: of the ranks (Spearman).
 
-    under: share of the runs in which the true error was above ten times what was said.
+    under: share of the runs in which the true error was above ten times what was said;
+    largest: the largest factor of all.
     """
 
     measure: str
@@ -55,20 +56,32 @@ class Trust:
     high: float
     under: float
     correlation: float
+    largest: float
 
     @property
     def verdict(self) -> str:
         """In words, what the measure is good for."""
         if self.count < 8:
             return "too few runs to tell"
-        spread = self.high / self.low
-        if spread < 30.0 and self.correlation > 0.9:
+        orders = self.correlation > 0.7
+        if self.high / self.low < 30.0 and self.correlation > 0.9:
             return "a measure of the error"
-        if self.under < 0.05 and self.correlation > 0.7:
-            return "an upper bound, mostly far above the error"
-        if self.correlation > 0.7:
+        exceeded = round(self.under * self.count)
+        if exceeded == 0:
+            bound = "an upper bound" if self.largest <= 1.0 else "never exceeded tenfold"
+            if not orders:
+                return f"{bound} in these runs, which does not tell small errors from large ones"
+            return f"{bound} in these runs" + (
+                ", mostly far above the error" if self.median < 0.1 else ""
+            )
+        if self.under < 0.05 and orders:
+            return f"mostly an upper bound, exceeded tenfold in {exceeded} of {self.count} runs"
+        if orders:
             return "tells large errors from small ones, not their size"
-        return "a warning only: it can be small while the error is large"
+        return (
+            "a warning only: it can be small while the error is large, as in "
+            f"{exceeded} of {self.count} runs"
+        )
 
     @property
     def sentence(self) -> str:
@@ -123,7 +136,7 @@ def trust(measure: str, found: Iterable[Point], group: str = "all") -> Trust | N
     low, median, high = np.quantile(ratio, [0.05, 0.5, 0.95])
     return Trust(
         measure, group, len(every), float(median), float(low), float(high),
-        float(np.mean(ratio > 10.0)), _spearman(said, true),
+        float(np.mean(ratio > 10.0)), _spearman(said, true), float(ratio.max()),
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from ..cosim.fmu import Value
 from ..cosim.scene import Scene
 from ..errors import CurveboundError
-from ..files import write_whole
+from ..files import sole_writer, write_whole
 from .settings import Setting, Space
 
 __all__ = ["choice_block", "put_choice", "script_of"]
@@ -77,6 +77,11 @@ def put_choice(path: Path, block: str) -> None:
     The file appears whole or not at all, in its own encoding and line ends, and only if it is still
     valid Python.
     """
+    with sole_writer(path, wait=True):
+        _put(path, block)
+
+
+def _put(path: Path, block: str) -> None:
     data = path.read_bytes()
     try:
         encoding, _ = tokenize.detect_encoding(io.BytesIO(data).readline)

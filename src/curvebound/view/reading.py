@@ -16,14 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cells import undefused
 from ..cosim.results import Result, read_csv
-from ..errors import CurveboundError
+from ..errors import CurveboundError, OutsideError, reading
 from ..fmi.drawing import Drawing
 from .actors import drawings_of
 
 __all__ = ["Opened", "Reading", "Results", "check_result", "opened", "read_result"]
 
 _MOST_LISTED = 12
+_REMEDY = "Give the file that `curvebound run SCENE --out FILE.csv` wrote."
 _TIME_NAMES = ("time", "t")
 _UNIT_SUFFIX = re.compile(r"\s*[\[(][^\[\]()]*[\])]\s*$")
 _WORDS = {"true": 1.0, "false": 0.0, "": float("nan")}
@@ -77,6 +79,11 @@ def read_result(path: Path) -> Reading:
     Raises CurveboundError, naming the line, where the file is missing, empty, no table of numbers,
     or its time does not run forward.
     """
+    with reading(f"{path} cannot be read", _REMEDY):
+        return _read(path)
+
+
+def _read(path: Path) -> Reading:
     try:
         ours = read_csv(path)
     except CurveboundError:
@@ -88,28 +95,24 @@ def read_result(path: Path) -> Reading:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
-        raise CurveboundError(
+        raise OutsideError(
             f"There is no file {path}. Write one with `curvebound run SCENE --out {path}`."
         ) from None
     except UnicodeDecodeError:
-        raise CurveboundError(
-            f"{path} is not text, so not a result in CSV. Give the file that "
-            "`curvebound run SCENE --out FILE.csv` wrote."
-        ) from None
-    except OSError as error:
-        raise CurveboundError(f"{path} cannot be read: {error.strerror}.") from None
+        raise OutsideError(f"{path} is not text, so not a result in CSV. {_REMEDY}") from None
     lines = text.splitlines()
     while lines and not lines[-1].strip():
         lines.pop()
     if not lines:
-        raise CurveboundError(
+        raise OutsideError(
             f"{path} is empty: the run that should have written it did not finish. Run it again."
         )
     delimiter = max(",;\t", key=lines[0].count)
-    names = [name.strip() for name in next(csv.reader([lines[0]], delimiter=delimiter))]
+    header = next(csv.reader([lines[0]], delimiter=delimiter))
+    names = [undefused(name).strip() for name in header]
     columns = _columns(path, names)
     if len(lines) == 1:
-        raise CurveboundError(
+        raise OutsideError(
             f"{path} holds the names of {len(names)} columns and no sample: "
             "the run that wrote it failed before its first point. Run it again."
         )
@@ -121,20 +124,20 @@ def check_result(label: str, data: NDArray[Any]) -> None:
     """Raise CurveboundError where `data` is no result: no `time`, no sample, time not forward."""
     names = data.dtype.names
     if not names or "time" not in names:
-        raise CurveboundError(f"{label} has no column `time`. {_listed(list(names or ()))}")
+        raise OutsideError(f"{label} has no column `time`. {_listed(list(names or ()))}")
     if not data.size:
-        raise CurveboundError(f"{label} holds no sample: the run failed before its first point.")
+        raise OutsideError(f"{label} holds no sample: the run failed before its first point.")
     time = np.atleast_1d(data)["time"]
     if not np.all(np.isfinite(time)):
         row = int(np.argmin(np.isfinite(time)))
-        raise CurveboundError(
+        raise OutsideError(
             f"{label}: the time of sample {row + 1} is {time[row]!s}, not a number. "
             "Remove that sample or run the scene again."
         )
     back = np.flatnonzero(np.diff(time) < 0)
     if back.size:
         row = int(back[0]) + 1
-        raise CurveboundError(
+        raise OutsideError(
             f"{label}: time goes back from {float(time[row - 1])!r} s to {float(time[row])!r} s at "
             f"sample {row + 1}. If the file holds several runs, split it and give each by itself."
         )
@@ -143,7 +146,7 @@ def check_result(label: str, data: NDArray[Any]) -> None:
 def _columns(path: Path, names: list[str]) -> list[str]:
     """The names without units, time called `time`; refuses what is no header of a result."""
     if all(_number(name) is not None for name in names):
-        raise CurveboundError(
+        raise OutsideError(
             f"The first line of {path} holds numbers where the names of the columns belong. "
             "Put a line of names above it: time, then one per variable, e.g. `time,plant.x`."
         )
@@ -154,13 +157,13 @@ def _columns(path: Path, names: list[str]) -> list[str]:
             plain[hits[0]] = "time"
             break
     else:
-        raise CurveboundError(
+        raise OutsideError(
             f"{path} has no column `time`. {_listed(plain)} Rename the one that holds the time in "
             "seconds to `time`."
         )
     twice = sorted({name for name in plain if plain.count(name) > 1})
     if twice:
-        raise CurveboundError(
+        raise OutsideError(
             f"{path} names the column `{twice[0]}` {plain.count(twice[0])} times. "
             "Give each column a name of its own."
         )
@@ -190,7 +193,7 @@ def _table(
                     f"The last line has {len(cells)} of {width} values, so the file was cut off "
                     f"while it was written: the {len(rows)} whole samples before it are shown."
                 ]
-            raise CurveboundError(
+            raise OutsideError(
                 f"Line {at} of {path} has {len(cells)} values, the first line names {width} "
                 "columns: not a result in CSV, or a damaged one. Run the scene again."
             )

@@ -7,8 +7,9 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
-from ...files import write_whole
+from ...files import inside, remove, write_whole
 from ..files import write_rows
 from ..page import document
 from .maps import Request
@@ -16,7 +17,7 @@ from .pictures import draw
 from .probe import FAILED, UNKNOWN
 from .stability_map import RESOLUTION, Column, StabilityMap
 
-__all__ = ["nothing_known", "stem_of", "write_index", "write_map"]
+__all__ = ["files_of", "nothing_known", "write_index", "write_map"]
 
 
 def nothing_known(maps: Sequence[StabilityMap]) -> str:
@@ -25,9 +26,10 @@ def nothing_known(maps: Sequence[StabilityMap]) -> str:
     return verdicts[0].message if all(v.kind == UNKNOWN for v in verdicts) else ""
 
 
-def stem_of(path: str) -> str:
-    """A path component.variable as a file's name."""
-    return "".join(c if c.isalnum() else "_" for c in path)
+def files_of(request: Request, folder: Path) -> list[Path]:
+    """The page, the grid and the boundaries of a map, as write_map writes them into `folder`."""
+    endings = (".html", ".csv", "_boundaries.csv")
+    return [inside(folder, request.axis.path, ending) for ending in endings]
 
 
 def write_map(
@@ -41,16 +43,16 @@ def write_map(
 ) -> Path:
     """Write grid and boundaries as CSV, the picture, and the page that shows them; the page."""
     path = request.axis.path
-    stem = stem_of(path)
-    write_rows(_grid(maps, path), folder / f"{stem}.csv")
-    write_rows(_boundaries(maps, path), folder / f"{stem}_boundaries.csv")
+    page, grid, boundaries = files_of(request, folder)
+    write_rows(_grid(maps, path), grid)
+    write_rows(_boundaries(maps, path), boundaries)
     label = path + ("" if unit in ("", "1") else f" ({unit})")
     picture = ""
     if plots:
-        _, svg = draw(maps, label, folder / f"{stem}.png")
-        text = svg.read_text(encoding="utf-8")
-        picture = f"<figure>{text[text.index('<svg') :]}</figure>"
-        svg.unlink()
+        _, svg = draw(maps, label, page.with_suffix(".png"))
+        drawn = svg.read_text(encoding="utf-8")
+        picture = f"<figure>{drawn[drawn.index('<svg') :]}</figure>"
+        remove(svg)
     title = f"{scene}: step against {label}"
     durations = sorted({column.duration for column in maps[0].columns})
     runs = f"{durations[0]:.3g} s"
@@ -70,15 +72,16 @@ def write_map(
         "coordinates linearised at rest, and along the exact motion at its worst moment.</p>"
         f"{picture}<h2>Largest steps</h2>{_table(maps)}{_failures(maps)}</main>"
     )
-    page = document(title, body, "Made by curvebound stability.")
-    return write_whole(folder / f"{stem}.html", lambda out: out.write_text(page, encoding="utf-8"))
+    text = document(title, body, "Made by curvebound stability.")
+    return write_whole(page, lambda out: out.write_text(text, encoding="utf-8"))
 
 
 def write_index(pages: Sequence[tuple[str, Path]], folder: Path) -> Path:
     """A page that leads to the maps; (title, page) of each."""
+    addresses = [quote(page.relative_to(folder).as_posix()) for _, page in pages]
     items = "".join(
-        f'<li><a href="{html.escape(page.relative_to(folder).as_posix())}">{html.escape(title)}</a>'
-        for title, page in pages
+        f'<li><a href="{html.escape(address)}">{html.escape(title)}</a>'
+        for address, (title, _) in zip(addresses, pages, strict=True)
     )
     body = f"<main><h1>Stability maps</h1><ul>{items}</ul></main>"
     text = document("Stability maps", body, "Made by curvebound stability --all.")

@@ -5,21 +5,23 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ... import __version__
 from ...cosim.fmu import Value, nearest
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
+from ...files import sole_writer
 from ..study import identity
 from .cluster import connect, run_on_cluster
 from .design import Design
 from .local import run_locally
 from .metrics import Metric
 from .store import Store
-from .task import Point, Task
+from .task import Point, Row, Task
 
 __all__ = ["Sweep", "SweepResult", "cores"]
 
@@ -134,35 +136,39 @@ class Sweep:
             from ..extras import require
 
             require("sweep")
-        done = store.look(restart=restart)
-        missing: list[Point] = [
-            (i, self.design[i]) for i in range(len(self.design)) if i not in done
-        ]
-        failed = 0
-        finished = len(done)
-        # before a file is touched: without a cluster nothing can take the place of earlier rows
-        client = connect(scheduler) if scheduler is not None and missing else None
-        try:
-            store.open()
-            if progress is not None:
-                progress(finished, len(self.design), failed)
-            if client is not None:
-                batches = run_on_cluster(self.task, missing, client)
-            elif missing:
-                batches = run_locally(self.task, missing, workers or cores())
-            else:
-                batches = iter(())
-            for rows in batches:
-                store.add(rows, self.design)
-                finished += len(rows)
-                failed += sum(bool(message) for _, _, message in rows)
+        with sole_writer(out):
+            done = store.look(restart=restart)
+            missing: list[Point] = [
+                (i, self.design[i]) for i in range(len(self.design)) if i not in done
+            ]
+            failed = 0
+            finished = len(done)
+            # before a file is touched: without a cluster nothing can take the place of its rows
+            client = connect(scheduler) if scheduler is not None and missing else None
+            try:
+                store.open()
                 if progress is not None:
                     progress(finished, len(self.design), failed)
-        finally:
-            store.close()
-            if client is not None:
-                client.close()
-        return SweepResult(store.finish(), len(self.design), len(missing), failed)
+                for rows in self._batches(missing, client, workers):
+                    store.add(rows, self.design)
+                    finished += len(rows)
+                    failed += sum(bool(message) for _, _, message in rows)
+                    if progress is not None:
+                        progress(finished, len(self.design), failed)
+            finally:
+                if client is not None:
+                    client.close()
+            path = store.finish(len(self.design))
+        return SweepResult(path, len(self.design), len(missing), failed)
+
+    def _batches(
+        self, missing: Sequence[Point], client: Any, workers: int | None
+    ) -> Iterator[list[Row]]:
+        if client is not None:
+            return run_on_cluster(self.task, missing, client)
+        if missing:
+            return run_locally(self.task, missing, workers or cores())
+        return iter(())
 
 
 def _default_metrics(scene: Scene) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 from collections.abc import Iterable, Sequence
@@ -10,8 +11,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ...errors import CurveboundError
-from ...files import write_whole
+from ...cells import cell, defused, undefused
+from ...errors import CurveboundError, OutsideError, reading
+from ...files import append, remove, require_as_left, write_whole
 from .task import Row
 
 __all__ = ["Store", "read_sweep"]
@@ -43,8 +45,6 @@ class Store:
         self.metrics = list(metrics)
         self.header = ["point", *paths, *metrics, "message"]
         self._kept: list[list[str]] = []
-        self._file: Any = None
-        self._table: Any = None
 
     def look(self, *, restart: bool = False) -> set[int]:
         """Numbers of the points that are done (none on a restart); nothing is changed yet."""
@@ -65,49 +65,58 @@ class Store:
     def open(self) -> None:
         """Begin or go on with the rows that `look` found."""
         # rewritten: a process that was killed may have left half a row
-        write_whole(self.stream, lambda path: _write(path, [self.header, *self._kept]))
+        write_whole(self.stream, lambda path: _write(path, [self._head(), *self._kept]))
         note = json.dumps({"identity": self.identity}) + "\n"
         write_whole(self.note, lambda path: path.write_text(note, encoding="utf-8"))
-        self._file = self.stream.open("a", newline="", encoding="utf-8")
-        self._table = csv.writer(self._file, lineterminator="\n")
+
+    def _head(self) -> list[str]:
+        return [defused(name) for name in self.header]
 
     def _noted(self) -> str:
-        with suppress(OSError, ValueError, KeyError):
+        with suppress(Exception):  # not there, or no note of a sweep
             return str(json.loads(self.note.read_text(encoding="utf-8"))["identity"])
         return ""
 
     def _whole_rows(self) -> list[list[str]]:
-        text = self.stream.read_text(encoding="utf-8")
-        complete = text[: text.rfind("\n") + 1]
-        rows = list(csv.reader(complete.splitlines()))
+        with reading(self.stream, "Choose another --out, or --restart to overwrite it."):
+            text = self.stream.read_text(encoding="utf-8")
+            complete = text[: text.rfind("\n") + 1]
+            rows = list(csv.reader(complete.splitlines()))
         return [row for row in rows[1:] if len(row) == len(self.header) and row[0].isdigit()]
 
     def add(self, rows: Iterable[Row], points: Any) -> None:
-        """Append rows and let them reach the disk."""
+        """Append rows, all or none of them; they are kept for another time."""
+        text = io.StringIO()
+        table = csv.writer(text, lineterminator="\n")
         for number, values, message in rows:
             point = points[number]
-            self._table.writerow(
+            table.writerow(
                 [
                     number,
                     *(_cell(point[path]) for path in self.paths),
                     *(_cell(value) for value in values),
-                    " ".join(message.split()),
+                    cell(" ".join(message.split())),
                 ]
             )
-        self._file.flush()
+        append(self.stream, text.getvalue())
 
-    def close(self) -> None:
-        """Keep what is there, for another time."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+    def finish(self, count: int) -> Path:
+        """All `count` points are done: rows in their order; returns the file.
 
-    def finish(self) -> Path:
-        """All points are done: rows in their order; returns the file."""
-        self.close()
+        Raises CurveboundError where the file does not hold just these.
+        """
+        require_as_left(self.stream)
         rows = sorted(self._whole_rows(), key=lambda row: int(row[0]))
+        found = [int(row[0]) for row in rows]
+        if found != list(range(count)):
+            missing = count - len(set(found) & set(range(count)))
+            raise CurveboundError(
+                f"{self.stream} holds {len(rows)} rows, and {missing} of {count} points are not "
+                "among them: something else has changed it. Run the sweep again, into a file of "
+                "its own."
+            )
         if not self.parquet:
-            return write_whole(self.out, lambda path: _write(path, [self.header, *rows]))
+            return write_whole(self.out, lambda path: _write(path, [self._head(), *rows]))
         import importlib
 
         pyarrow = importlib.import_module("pyarrow")
@@ -116,9 +125,9 @@ class Store:
         columns: dict[str, Any] = {}
         for i, name in enumerate(self.header):
             column = [row[i] for row in rows]
-            columns[name] = column if name == "message" else _typed(name, column)
+            columns[name] = _texts(column) if name == "message" else _typed(name, column)
         write_whole(self.out, lambda path: parquet.write_table(pyarrow.table(columns), path))
-        self.stream.unlink()
+        remove(self.stream)
         return self.out
 
 
@@ -128,9 +137,7 @@ def _write(path: Path, rows: Iterable[Sequence[Any]]) -> None:
 
 
 def _cell(value: Any) -> str:
-    if value is None:
-        return ""
-    return repr(float(value)) if isinstance(value, int | float) else str(value)
+    return cell(float(value) if isinstance(value, int | float) else value)
 
 
 def _typed(name: str, column: list[str]) -> list[Any]:
@@ -139,22 +146,26 @@ def _typed(name: str, column: list[str]) -> list[Any]:
     try:
         return [float(text) if text else None for text in column]
     except ValueError:
-        return column
+        return _texts(column)
+
+
+def _texts(column: list[str]) -> list[str]:
+    return [undefused(text) for text in column]
 
 
 def read_sweep(path: Path) -> tuple[list[str], list[list[Any]]]:
     """Header and rows of a sweep's CSV; numbers as floats, NaN where a point failed."""
-    with path.open(newline="", encoding="utf-8") as file:
+    with reading(path), path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.reader(file))
     if not rows or rows[0][:1] != ["point"]:
-        raise CurveboundError(f"{path} is no table of a sweep.")
-    header = rows[0]
+        raise OutsideError(f"{path} is no table of a sweep.")
+    header = _texts(rows[0])
     columns = []
     for i, name in enumerate(header):
         column = (
             _typed(name, [row[i] for row in rows[1:]])
             if name != "message"
-            else ([row[i] for row in rows[1:]])
+            else _texts([row[i] for row in rows[1:]])
         )
         columns.append([math.nan if value is None else value for value in column])
     return header, [list(row) for row in zip(*columns, strict=True)]
