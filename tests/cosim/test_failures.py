@@ -32,6 +32,7 @@ def test_message_and_partial_result(scene):
     assert len(error.result.data) == 51
     assert error.result["faulty.y"][-1] == error.result["sound.x"][-1]
     assert not error.result.complete
+    assert error.result.failure == str(error)
 
 
 def test_the_others_are_terminated_and_freed(scene, monkeypatch):
