@@ -108,3 +108,58 @@ def test_errors_are_magnified_by_mass_ratio_and_slope(
     reached = 12.0 + math.sqrt(2.0 * 3.0 * speed**2 / 9.81)
     moving = pendulum(parabola_defaults, **steep, slider_u_rate_start=0.5)
     assert moving.magnification == pytest.approx(reached * mass)
+
+
+@pytest.mark.parametrize("t", [0.0, 0.4])
+def test_energies_within_a_step(
+    bead_defaults: Defaults, parabola_defaults: Defaults, t: float
+) -> None:
+    """With the frame where it is by then, and the size of what cancels in the potential one."""
+    frame = {"x": 0.3, "y": -0.8, "vx": 0.5, "vy": 0.7}
+    ax, ay, g = 1.5, -2.5, (2.0, -3.0)
+    at = [
+        frame["x"] + t * (frame["vx"] + 0.5 * t * ax),
+        frame["y"] + t * (frame["vy"] + 0.5 * t * ay),
+    ]
+    moves = [frame["vx"] + t * ax, frame["vy"] + t * ay]
+    field = {"gravity_x": g[0], "gravity_y": g[1]}
+
+    def prepared(model: Any, inputs: list[float]) -> Any:
+        for name, value in frame.items():
+            setattr(model, name, value)
+        model.set_inputs(inputs, 0)
+        return model
+
+    for choices in (ANGLE, CARTESIAN):
+        setting = {"wire_radius": 2.0, "bead_mass": 3.0, "bead_angle_start": 0.6}
+        made = bead(choices, bead_defaults, **field, **setting, bead_angular_velocity_start=1.2)
+        model = prepared(made, [ax, ay, 0.0, 0.0])
+        p = [at[0] + 2.0 * math.sin(0.6), at[1] - 2.0 * math.cos(0.6)]
+        v = [moves[0] + 2.4 * math.cos(0.6), moves[1] + 2.4 * math.sin(0.6)]
+        assert model.energies_at(t) == pytest.approx(
+            (
+                1.5 * math.hypot(*v) ** 2,
+                -3.0 * (g[0] * p[0] + g[1] * p[1]),
+                3.0 * (abs(g[0] * p[0]) + abs(g[1] * p[1])),
+            )
+        )
+    m1, m2, r, u, u1, angle, turn = 2.0, 3.0, 1.5, 0.7, -0.4, 0.9, 1.1
+    made = pendulum(
+        parabola_defaults, **field, slider_mass=m1, pendulum_mass=m2, pendulum_length=r,
+        slider_u_start=u, slider_u_rate_start=u1, pendulum_angle_start=angle,
+        pendulum_angular_velocity_start=turn, parabola_coefficient_start=0.6,
+        parabola_coefficient_rate_start=0.3,
+    )  # fmt: skip
+    model = prepared(made, [ax, ay, -0.5, 0.0, 0.0, 0.0, 0.0])
+    a, rate = 0.6 + 0.3 * t - 0.25 * t * t, 0.3 - 0.5 * t
+    s = [at[0] + u, at[1] + a * u * u]
+    w = [moves[0] + u1, moves[1] + 2.0 * a * u * u1 + rate * u * u]
+    b = [s[0] + r * math.sin(angle), s[1] - r * math.cos(angle)]
+    z = [w[0] + r * turn * math.cos(angle), w[1] + r * turn * math.sin(angle)]
+    assert model.energies_at(t) == pytest.approx(
+        (
+            0.5 * (m1 * math.hypot(*w) ** 2 + m2 * math.hypot(*z) ** 2),
+            -sum(g[i] * (m1 * s[i] + m2 * b[i]) for i in (0, 1)),
+            sum(abs(g[i]) * ((m1 + m2) * abs(s[i]) + m2 * r) for i in (0, 1)),
+        )
+    )
