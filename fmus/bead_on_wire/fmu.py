@@ -7,6 +7,7 @@ motion relative to the wire.
 from curvebound.fmi.common import ENERGY, GRAVITY, SOLVER
 from curvebound.fmi.declaration import Enumeration, Fmu, choice, input_, output, parameter
 from curvebound.fmi.plant import Plant
+from curvebound.fmi.ranges import Angle, Items, Range
 from curvebound.models.bead_on_wire import bead_on_wire
 
 FORMULATION = Enumeration(
@@ -101,4 +102,18 @@ FMU = Fmu(
     ),
     reference_inputs={"wire.ax": (1.0, 0.5), "wire.ay": (2.0, 1.5)},
     plotted=("bead.angle", "constraint.force", "energy.total", "energy.residual"),
+    ranges={
+        "wire.radius": Range(1e-3, 1e3),
+        "bead.mass": Range(1e-8, 1e8),
+        "bead.angular_velocity_start": Range(1e-3, 1e3, signed=True, share=0.75, speed=True),
+        "model.formulation": Items(("lagrange_multiplier", "angle")),
+        "constraint.stabilization": Items(("none", "baumgarte", "projection", "projection")),
+        "gravity": Range(1e-3, 1e3),
+        "bead.damping": Range(1e-6, 1e6, share=0.6),
+        "bead.angle_start": Angle(),
+        "wire.ax": Range(1e-3, 1e3, signed=True, share=0.2),
+        "wire.ay": Range(1e-3, 1e3, signed=True, share=0.2),
+        "bead.fx": Range(1e-3, 1e3, signed=True, share=0.2, times="bead.mass"),
+        "bead.fy": Range(1e-3, 1e3, signed=True, share=0.2, times="bead.mass"),
+    },
 )

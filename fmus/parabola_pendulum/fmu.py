@@ -7,6 +7,7 @@ slider and bob; damping acts along the parabola and on the pendulum's rotation.
 from curvebound.fmi.common import ENERGY, GRAVITY, SOLVER
 from curvebound.fmi.declaration import Enumeration, Fmu, choice, input_, output, parameter
 from curvebound.fmi.plant import Plant
+from curvebound.fmi.ranges import Angle, Items, Range
 from curvebound.models.parabola_pendulum import parabola_pendulum
 
 FIDELITY = Enumeration(
@@ -104,4 +105,26 @@ FMU = Fmu(
     ),
     reference_inputs={"parabola.ax": (1.0, 0.3), "parabola.ay": (1.0, 0.7)},
     plotted=("slider.u", "pendulum.angle", "constraint.normal_force", "energy.residual"),
+    ranges={
+        "slider.mass": Range(1e-4, 1e4),
+        "pendulum.mass": Range(1e-8, 1e8, times="slider.mass"),
+        "pendulum.length": Range(1e-3, 1e3),
+        "parabola.coefficient_start": Range(1e-4, 1e4, signed=True, share=0.95),
+        "slider.u_start": Range(1e-3, 1e3, signed=True, share=0.8),
+        "slider.u_rate_start": Range(1e-3, 1e3, signed=True, share=0.7, speed=True),
+        "pendulum.angular_velocity_start": Range(1e-3, 1e3, signed=True, share=0.7, speed=True),
+        "gravity": Range(1e-3, 1e3),
+        "parabola.coefficient_rate_start": Range(1e-4, 1e4, signed=True, share=0.1),
+        "slider.damping": Range(1e-6, 1e6, share=0.4),
+        "pendulum.damping": Range(1e-6, 1e6, share=0.4),
+        "pendulum.angle_start": Angle(),
+        "model.fidelity": Items(("nonlinear", "nonlinear", "nonlinear", "linear")),
+        "parabola.ax": Range(1e-3, 1e3, signed=True, share=0.15),
+        "parabola.ay": Range(1e-3, 1e3, signed=True, share=0.15),
+        "parabola.coefficient_acceleration": Range(1e-4, 1e4, signed=True, share=0.1),
+        "slider.fx": Range(1e-3, 1e3, signed=True, share=0.15, times="slider.mass"),
+        "slider.fy": Range(1e-3, 1e3, signed=True, share=0.15, times="slider.mass"),
+        "pendulum.fx": Range(1e-3, 1e3, signed=True, share=0.15, times="pendulum.mass"),
+        "pendulum.fy": Range(1e-3, 1e3, signed=True, share=0.15, times="pendulum.mass"),
+    },
 )

@@ -10,7 +10,6 @@ from amplification import jacobi_radius, masses, radius, sampled
 
 from curvebound.cosim import RunFailed, Scene, load_scene
 from curvebound.cosim.scene_data import ALGORITHMS
-from curvebound.study.regulator import STATES
 
 STARTS = ("one.x_start", "one.v_start", "two.x_start", "two.v_start")
 STATE = ("one.x", "one.v", "two.x", "two.v")
@@ -113,7 +112,7 @@ def loop():
 @pytest.fixture(scope="module")
 def gain():
     start = load_scene("active_damping").components["drive"].start
-    return np.array([start[f"feedback.{name}"] for name in STATES])
+    return np.array([start[f"feedback.{name.replace('.', '_')}"] for name in PLANT])
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from curvebound.cosim import Adaptive, load_scene
-from curvebound.study.regulator import STATES
 
 G = 9.81
 PLANT = {
@@ -20,9 +19,9 @@ PLANT = {
     "parabola_x": "plant.parabola.x",
     "parabola_vx": "plant.parabola.vx",
 }
-OUTPUTS = [PLANT[name] for name in STATES]
+OUTPUTS = list(PLANT.values())
 GAIN = np.array(
-    [load_scene("active_damping").components["drive"].start[f"feedback.{n}"] for n in STATES]
+    [load_scene("active_damping").components["drive"].start[f"feedback.{n}"] for n in PLANT]
 )
 START = np.array([0.5, 0.0, 0.5, 0.0, 0.0, 0.0])
 

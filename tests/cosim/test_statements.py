@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from curvebound import linearize
 from curvebound.cosim import Scene, load_scene
 from curvebound.places import fmus_directory
-from curvebound.study.regulator import STATES, linear_model
 
 README = Path(__file__).parents[2] / "README.md"
 
@@ -30,8 +30,11 @@ def example() -> Scene:
 
 def test_the_feedback_of_the_readme_is_a_stable_loop(example):
     start = example.components["drive"].start
-    row = np.array([[start.get(f"feedback.{name}", 0.0) for name in STATES]])
-    system, column = linear_model()
+    rest = {"slider.u": 0.0, "pendulum.angle": 0.0}
+    plant = linearize("ParabolaPendulum", at=rest, inputs=["parabola.ax"])
+    system, column = plant.A, plant.B
+    gains = [f"feedback.{name.replace('.', '_')}" for name in plant.states]
+    row = np.array([[start.get(name, 0.0) for name in gains]])
     closed = np.linalg.eigvals(system - column @ row)
     assert np.max(closed.real) < -0.3
     # sampled at each communication point and held, as the scene does it

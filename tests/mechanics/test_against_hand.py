@@ -14,9 +14,9 @@ import mpmath
 import numpy as np
 import pytest
 
+from curvebound.fmi.folder import find
 from curvebound.mechanics.derived import Derived, derive
 from curvebound.mechanics.numeric import ManyDigits, extended
-from curvebound.study.stability.kernels import kernel_of
 from curvebound.study.stability.ranges import draw
 
 STATES = 2000
@@ -44,9 +44,17 @@ def symbols(system: Derived, F: Any, model: Any, values: dict[str, Any], t: floa
 
 def cases(name: str, count: int, **fixed: float) -> Iterator[tuple[Any, dict[str, Any], float]]:
     """Kernels at their start, the values that they were started with, and a time."""
-    for point in draw(name, count, seed=14):
+    system = {"bead": "BeadOnWire", "pendulum": "ParabolaPendulum"}[name]
+    factory = find(system).fmu().system.factory  # type: ignore[attr-defined]
+    for point in draw(system, count, seed=14):
         values = {**point.values, **fixed}
-        yield kernel_of(name, values), values, 0.01 * (point.number % 3)
+        real = {k: float(v) for k, v in values.items() if not isinstance(v, str)}
+        choices = {"model.formulation": 2, "constraint.stabilization": 1}
+        choices["model.fidelity"] = 1 if prefix(values) else 2
+        model = factory(choices)
+        model.start({**real, "constraint.stiffness": 0.0, "constraint.damping": 0.0}, choices)
+        model.set_inputs([real[name] for name in model.INPUTS], 0)
+        yield model, values, 0.01 * (point.number % 3)
 
 
 def prefix(values: dict[str, Any]) -> str:

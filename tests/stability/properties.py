@@ -18,12 +18,13 @@ from curvebound.cosim.results import RunFailed
 from curvebound.cosim.scene import Scene
 from curvebound.fmi.declaration import CHOICE, COUNT, INPUT, OUTPUT, PARAMETER, Variable
 from curvebound.fmi.folder import find
-from curvebound.study.stability.kernels import kernel_of
-from curvebound.study.stability.ranges import SYSTEMS
+from curvebound.study.stability.motion import Motion
+from curvebound.study.stability.ranges import drawer
+from curvebound.study.stability.ranges import sampled as sampled_system
 
 Values = dict[str, Any]
 
-FMUS = {name: fmu for name, (fmu, _) in SYSTEMS.items()}
+FMUS = {"bead": "BeadOnWire", "pendulum": "ParabolaPendulum"}
 EXPLICIT = ("explicit_euler", "semi_implicit_euler", "rk4")
 NONLINEAR = (*EXPLICIT, "adaptive", "implicit")
 
@@ -113,8 +114,8 @@ def _plain(values: Values) -> Values:
 
 #: points of the ranges that the random sample covers
 sampled: dict[str, st.SearchStrategy[Values]] = {
-    name: st.randoms(use_true_random=False).map(draw).map(_plain)
-    for name, (_, draw) in SYSTEMS.items()
+    name: st.randoms(use_true_random=False).map(drawer(fmu)).map(_plain)
+    for name, fmu in FMUS.items()
 }
 
 
@@ -146,8 +147,9 @@ def whole(system: str) -> st.SearchStrategy[Values]:
 
 def rate(system: str, values: Values) -> float:
     """About the fastest rate (1/s) of the motion at its start, damping left out."""
-    model = kernel_of(system, values, damped=False)
-    j = model.jacobian(0.0, model.q0, model.q1, model.v0, model.v1)
+    motion = Motion(sampled_system(FMUS[system])[1], values, damped=False)
+    start = np.array(motion.start)[:, None]
+    j = motion.slopes(np.zeros(1), start[:2], start[2:])[0, :, :, 0].ravel()
     slope = 2.0 * abs(values.get("parabola.coefficient_start", 0.0))
     found = max(
         math.sqrt(sum(abs(x) for x in (j[0], j[3])) + math.sqrt(abs(j[1] * j[2]))),

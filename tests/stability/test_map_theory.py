@@ -9,6 +9,8 @@ import pytest
 
 from curvebound.integrators import METHODS, create
 from curvebound.models.parabola_pendulum import parabola_pendulum
+from curvebound.study.stability.motion import Motion
+from curvebound.study.stability.ranges import sampled
 from curvebound.study.stability.theory import FACTOR, boundary, jacobians, step_matrix, swings
 
 EXPLICIT = ("explicit_euler", "semi_implicit_euler", "rk4")
@@ -19,36 +21,33 @@ def oscillator(omega: float, damping: float = 0.0) -> np.ndarray:
     return np.array([[0.0, 1.0], [-omega * omega, -damping]])
 
 
-def linear_pendulum(**changes: float):
-    values = {
-        "gravity.x": 0.0,
-        "gravity.y": -9.81,
-        "parabola.coefficient_start": 0.5,
-        "parabola.coefficient_rate_start": 0.0,
-        "slider.mass": 1.0,
-        "pendulum.mass": 3.0,
-        "pendulum.length": 0.7,
-        "slider.damping": 0.4,
-        "pendulum.damping": 0.9,
-        "slider.u_start": 0.0,
-        "slider.u_rate_start": 0.0,
-        "pendulum.angle_start": 0.0,
-        "pendulum.angular_velocity_start": 0.0,
-        **changes,
-    }
-    choices = {"model.fidelity": 1}
-    model = parabola_pendulum(choices)
-    model.start(values, choices)
-    model.set_inputs([0.0] * len(model.INPUTS), 0)
-    return model
+VALUES = {
+    "gravity.x": 0.0,
+    "gravity.y": -9.81,
+    "parabola.coefficient_start": 0.5,
+    "parabola.coefficient_rate_start": 0.0,
+    "slider.mass": 1.0,
+    "pendulum.mass": 3.0,
+    "pendulum.length": 0.7,
+    "slider.damping": 0.4,
+    "pendulum.damping": 0.9,
+    "slider.u_start": 0.0,
+    "slider.u_rate_start": 0.0,
+    "pendulum.angle_start": 0.0,
+    "pendulum.angular_velocity_start": 0.0,
+}
 
 
 @pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("h", [0.01, 0.3])
 def test_the_step_matrix_is_what_the_integrator_does(method: str, h: float) -> None:
     """One step of the kernel's own integrator from each unit vector, damped and coupled."""
-    model = linear_pendulum()
-    (a,) = jacobians(model, [(0.0, 0.0, 0.0, 0.0)])
+    choices = {"model.fidelity": 1}
+    model = parabola_pendulum(choices)
+    model.start(VALUES, choices)
+    still = {**dict.fromkeys(model.INPUTS, 0.0), "model.fidelity": "linear"}
+    motion = Motion(sampled("ParabolaPendulum")[1], {**VALUES, **still})
+    (a,) = jacobians(motion, np.zeros((4, 1)))
     measured = np.zeros((4, 4))
     for i in range(4):
         start = [0.0] * 4

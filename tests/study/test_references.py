@@ -115,15 +115,15 @@ def test_a_sampled_loop_is_reproduced() -> None:
 def test_a_wrong_formula_shows_as_uncertainty(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from curvebound.study.equations.parabola_pendulum import Lagrange
+    from curvebound.study.equations.mechanical import Mechanical
 
-    right = Lagrange.accelerations
+    right = Mechanical.accelerations
 
-    def wrong(self: Lagrange, state: Any, inputs: Any) -> Any:
+    def wrong(self: Mechanical, state: Any, inputs: Any) -> Any:
         a, b = right(self, state, inputs)
-        return a, b * (1 + 1e-9)
+        return [a, b * (1 + 1e-9)]
 
-    monkeypatch.setattr(Lagrange, "accelerations", wrong)
+    monkeypatch.setattr(Mechanical, "accelerations", wrong)
     system = single("plant", "ParabolaPendulum", {}, stop=1.0).check()
     monkeypatch.setenv("CURVEBOUND_CACHE", str(tmp_path))  # neither found nor left on disk
     reference = refer(system, ["plant.slider.u"])

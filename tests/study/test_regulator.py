@@ -1,39 +1,41 @@
-"""The regulator's linear model against known modes, and its gains against their definition."""
+"""The regulator's gains against their definition, for the loops of the scenes."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from curvebound import linearize
 from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
-from curvebound.study.regulator import STATES, gains, linear_model
+from curvebound.study.linear_model import LinearModel
+from curvebound.study.regulator import gains
 
 
-def test_modes_at_the_default_parameters():
-    values = np.linalg.eigvals(linear_model()[0])
-    found = sorted({round(abs(v.imag), 12) for v in values if abs(v) > 1e-6})
-    assert found == pytest.approx([2.39719939786409, 5.78735129803610], abs=1e-11)
+def plant(angle: float = 0.0, **parameters: float) -> LinearModel:
+    at = {"slider.u": 0.0, "pendulum.angle": angle, **parameters}
+    return linearize("ParabolaPendulum", at=at, inputs=["parabola.ax"])
 
 
-def test_upright_has_one_growing_mode():
-    values = np.linalg.eigvals(linear_model(upright=True)[0])
+def test_upright_has_one_growing_mode() -> None:
+    values = np.linalg.eigvals(plant(math.pi).A)
     assert sum(v.real > 1e-6 for v in values) == 1
 
 
-@pytest.mark.parametrize("upright", [False, True])
+@pytest.mark.parametrize("angle", [0.0, math.pi])
 @pytest.mark.parametrize("mass", [0.1, 1.0, 10.0])
-def test_gains_stabilise_and_are_optimal(upright, mass):
-    parameters = {"pendulum.mass": mass, "slider.damping": 0.1}
-    system, column = linear_model(parameters, upright=upright)
-    row = np.array(list(gains(parameters, upright=upright).values()))
-    closed = system - column @ row[None, :]
+def test_gains_stabilise_and_are_optimal(angle: float, mass: float) -> None:
+    model = plant(angle, **{"pendulum.mass": mass, "slider.damping": 0.1})
+    row = np.array(list(gains(model).values()))
+    closed = model.A - model.B @ row[None, :]
     assert np.max(np.linalg.eigvals(closed).real) < -1e-3
 
-    def cost(k):
-        """Integral of x.x + X''^2 from a fixed start, by Simpson's rule on the closed loop."""
-        loop = system - column @ k[None, :]
+    def cost(k: np.ndarray) -> float:
+        """Integral of x.x + u^2 from a fixed start, by Simpson's rule on the closed loop."""
+        loop = model.A - model.B @ k[None, :]
         h, n = 0.02, 6000
         step, state, total = expm(loop * h), np.array([0.1, 0, 0.1, 0, 0, 0]), 0.0
         for i in range(n + 1):
@@ -48,23 +50,26 @@ def test_gains_stabilise_and_are_optimal(upright, mass):
         assert cost(row * (1.0 + 0.03 * rng.normal(size=6))) > best * (1.0 - 1e-9)
 
 
-def test_names_are_those_of_the_drive():
-    assert list(gains()) == [f"feedback.{name}" for name in STATES]
+def test_names_are_those_of_the_states() -> None:
+    model = plant()
+    assert list(gains(model)) == list(model.states)
 
 
-def test_wrong_names_are_refused():
-    with pytest.raises(CurveboundError, match=r"no parameter slider\.weight"):
-        linear_model({"slider.weight": 1.0})
-    with pytest.raises(CurveboundError, match="no state slider"):
-        gains(weights={"slider": 1.0})
+def test_what_cannot_be_is_refused() -> None:
+    with pytest.raises(CurveboundError, match=r"no state slider"):
+        gains(plant(), weights={"slider": 1.0})
+    with pytest.raises(CurveboundError, match="one input"):
+        gains(linearize("ParabolaPendulum"))
+    with pytest.raises(CurveboundError, match=r"No feedback by wire\.ay"):
+        gains(linearize("BeadOnWire", at={"bead.angle": 0.0}, inputs=["wire.ay"]))
 
 
 @pytest.mark.parametrize(
-    ("name", "upright"),
-    [("active_damping", False), ("inverted_balance", True), ("sampled_feedback", True)],
+    ("name", "angle"),
+    [("active_damping", 0.0), ("inverted_balance", math.pi), ("sampled_feedback", math.pi)],
 )
-def test_the_scenes_have_these_gains(name, upright):
-    """They are numbers there, so that the scenes run without scipy."""
+def test_the_scenes_have_these_gains(name: str, angle: float) -> None:
+    """They are numbers there, so that the scenes run without scipy and sympy."""
     start = load_scene(name).components["drive"].start
-    for path, gain in gains(upright=upright).items():
-        assert start[path] == pytest.approx(gain, abs=6e-5)
+    for state, gain in gains(plant(angle)).items():
+        assert start[f"feedback.{state.replace('.', '_')}"] == pytest.approx(gain, abs=6e-5)

@@ -38,6 +38,7 @@ _COMMANDS = (
     "tune",
     "sweep",
     "stability",
+    "linearize",
     "bench",
 )
 

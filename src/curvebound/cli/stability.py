@@ -7,7 +7,7 @@ examples:
   curvebound stability bead_on_wire --vary bead.wire.radius=1e-3:1e3:13:log
   curvebound stability pendulum_large --vary plant.pendulum.mass=1e-8:1e8:17:log --method rk4
   curvebound stability --all --jobs 2
-  curvebound stability --sample 2000 --system bead --system pendulum --jobs 2
+  curvebound stability --sample 2000 --system MySystem --jobs 2
   curvebound stability --long
 """
 
@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ..arguments import positive, setting, whole
-from ..study.stability.ranges import SYSTEMS
+from ..study.stability.ranges import systems
 from .bar import progress_bar
 from .stability_usage import LONG, refuse, requests_of
 
@@ -60,8 +60,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--system",
         action="append",
-        choices=tuple(SYSTEMS),
-        help="of the sample (default: both); may be repeated",
+        help="of the sample, by name or folder (default: the shipped ones); may be repeated",
     )
     parser.add_argument("--seed", type=int, help="of the sample (default: 1)")
     parser.add_argument("--tolerance", type=positive, help="of the sample (1e-8)")
@@ -135,12 +134,12 @@ def _files(options: argparse.Namespace, requests: list[Any]) -> list[Path]:
 
 
 def _systems(options: argparse.Namespace) -> list[str]:
-    return list(dict.fromkeys(options.system or SYSTEMS))
+    return list(dict.fromkeys(options.system or systems()))
 
 
 def _sample_file(options: argparse.Namespace, system: str) -> Path:
     folder: Path = options.out
-    return folder / f"sample_{system}.csv"
+    return folder / f"sample_{Path(system).name}.csv"
 
 
 def _maps(options: argparse.Namespace, requests: list[Any], units: dict[Any, str]) -> bool:

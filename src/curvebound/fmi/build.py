@@ -92,6 +92,7 @@ def build(
     name = folder.name
     drawing = carried(folder.drawing())  # first: it says what is wrong in the folder
     own = folder.sources()
+    stated = folder.statement()
     sources = runtime()
     extensions: dict[str, bytes] = {}
     how = "interpreted (--no-compile)"
@@ -106,7 +107,8 @@ def build(
     package = sources.package(compiled=bool(extensions))
     parts = (_HERE / "description.py", _HERE / "units.py", *binaries.SOURCES)
     described = b"".join(part.read_bytes() for part in parts)
-    content = [sources.digest.encode(), described, drawing, *(p.encode() + own[p] for p in own)]
+    content = [sources.digest.encode(), described, drawing]
+    content += [p.encode() + text for p, text in (own | stated).items()]
     digest = hashlib.sha256(b"\0".join(content)).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     suffix = digest[:12] + ("c" if extensions else "") + "".join(f"_{p}" for p in natives)
@@ -131,6 +133,7 @@ def build(
     files.update({f"resources/{path}": content for path, content in extensions.items()})
     _isolate(files, package)
     files["resources/drawing.json"] = drawing
+    files.update({f"resources/{path}": text for path, text in stated.items()})
     files.update(documentation_files(folder))
     for place, target in binaries.PLATFORMS.items():
         if place in natives:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from .ranges import Explored
+
 if TYPE_CHECKING:
     from .engine import System
 
@@ -129,6 +131,8 @@ class Fmu(NamedTuple):
     #: item name) or sines (amplitude, Hz), and the outputs to plot
     reference_inputs: dict[str, float | str | tuple[float, float]] = {}
     plotted: tuple[str, ...] = ()
+    #: what samples draw, by variable ("gravity": both components), in the order of drawing
+    ranges: dict[str, Explored] = {}
 
     def ordered(self) -> list[Variable]:
         """The variables in the order of their value references."""

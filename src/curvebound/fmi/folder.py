@@ -1,7 +1,9 @@
 """The folder of a system: where it is found, what is declared in it, what travels in its FMU.
 
 fmu.py               FMU: variables, units, domains, enumerations
+mechanics.py         MECHANICS: the physics, as on a blackboard
 kernel.py            the accelerations
+reference.py         what is known of the motion besides, for references; optional
 drawing.py           DRAWING: what to draw; optional
 documentation.html   what the FMU's page tells, with the pictures *.svg; optional
 icon.png             optional
@@ -96,6 +98,11 @@ class Folder:
         """HTML: equations, how to couple it, what accuracy costs."""
         path = self.path / "documentation.html"
         return path.read_text(encoding="utf-8") if path.is_file() else ""
+
+    def statement(self) -> dict[str, bytes]:
+        """What studies are made from: mechanics.py and reference.py, where they are."""
+        paths = [self.path / name for name in ("mechanics.py", "reference.py")]
+        return {path.name: path.read_bytes() for path in paths if path.is_file()}
 
     def sources(self) -> dict[str, bytes]:
         """The modules that travel in the FMU: fmu.py and what it imports from the folder."""

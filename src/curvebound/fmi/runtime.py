@@ -22,6 +22,7 @@ _INTERPRETED = (
     "fmi/__init__.py",
     "fmi/common.py",
     "fmi/declaration.py",
+    "fmi/ranges.py",
     "fmi/slave.py",
     "fmi/wrapped.py",
 )

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from ..cache import entry, sources
 from ..errors import CurveboundError
 
-__all__ = ["Derived", "Implied", "derive"]
+__all__ = ["Derived", "Implied", "derive", "derive_text"]
 
 #: functions of equations.py: (F, values of symbols by name) -> list, or dictionary of outputs
 Function = Callable[[Any, Mapping[str, Any]], Any]
@@ -101,13 +101,18 @@ def _functions(text: str) -> dict[str, Any]:
 
 
 def derive(path: Path, title: str = "") -> Derived:
-    """What follows from the statement MECHANICS in the file `path`.
+    """What follows from the statement MECHANICS in the file `path`, see derive_text()."""
+    return derive_text(path.read_text(encoding="utf-8"), title or path.parent.name, str(path))
 
-    title: name of the system. Kept in the cache by content; sympy is needed only where it is not
-    there. Raises CurveboundError, which names the file, for a statement that cannot be derived.
+
+def derive_text(text: str, title: str, where: str) -> Derived:
+    """What follows from the statement MECHANICS in the text of a mechanics.py.
+
+    title: name of the system. where: of the text, for messages. Kept in the cache by content; sympy
+    is needed only where it is not there. Raises CurveboundError for what cannot be derived.
     """
-    parts: list[str | bytes] = [title, path.read_bytes(), sources(Path(__file__).parent)]
-    folder = entry("mechanics", parts, lambda scratch: _write(path, title, scratch))
+    parts = [title, text, sources(Path(__file__).parent)]
+    folder = entry("mechanics", parts, lambda scratch: _write(text, title, where, scratch))
     return _read(folder, (folder / "derived.json").stat().st_mtime_ns)
 
 
@@ -119,14 +124,14 @@ def _read(folder: Path, _: int) -> Derived:
     return Derived(**whole)
 
 
-def _write(path: Path, title: str, folder: Path) -> None:
+def _write(text: str, title: str, where: str, folder: Path) -> None:
     try:
         from .deriving import derived_from
     except ImportError as error:
         raise CurveboundError(
-            f"{path} states a system that has to be derived, which needs sympy ({error}): install "
+            f"{where} states a system that has to be derived, which needs sympy ({error}): install "
             "curvebound with its extra `systems`."
         ) from error
-    found = asdict(derived_from(path, title))
+    found = asdict(derived_from(text, title, where))
     found["variables"] = [v._asdict() for v in found["variables"]]
     (folder / "derived.json").write_text(json.dumps(found), encoding="utf-8")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from ..errors import CurveboundError
@@ -16,18 +15,18 @@ from .statement import Coordinate, Mechanics
 __all__ = ["derived_from"]
 
 
-def derived_from(path: Path, title: str) -> Derived:
-    """What follows from the statement in `path`; CurveboundError for one that says too little."""
-    stated = _stated(path)
+def derived_from(text: str, title: str, where: str) -> Derived:
+    """What follows from a statement; CurveboundError for one that says too little."""
+    stated = _stated(text, where)
     mechanics = stated.get("MECHANICS")
     if not isinstance(mechanics, Mechanics):
-        raise CurveboundError(f"{path} does not define MECHANICS = Mechanics(...).")
+        raise CurveboundError(f"{where} does not define MECHANICS = Mechanics(...).")
     derivation = Derivation(mechanics)
     try:
-        kernel = kernel_source(derivation, Names(title or path.parent.name, derivation, stated))
+        kernel = kernel_source(derivation, Names(title, derivation, stated))
         equations = equations_source(derivation)
     except ValueError as error:
-        raise CurveboundError(f"{path} cannot be derived: {error}.") from error
+        raise CurveboundError(f"{where} cannot be derived: {error}.") from error
     return Derived(
         coordinates=tuple(c.name for c in mechanics.coordinates),
         rates=tuple(c.rate.name for c in mechanics.coordinates),
@@ -45,12 +44,12 @@ def derived_from(path: Path, title: str) -> Derived:
     )
 
 
-def _stated(path: Path) -> dict[str, Any]:
-    namespace: dict[str, Any] = {"__name__": "mechanics", "__file__": str(path)}
+def _stated(text: str, where: str) -> dict[str, Any]:
+    namespace: dict[str, Any] = {"__name__": "mechanics", "__file__": where}
     try:
-        exec(compile(path.read_text(encoding="utf-8"), str(path), "exec"), namespace)
+        exec(compile(text, where, "exec"), namespace)
     except Exception as error:  # whatever the author's own text raises
-        raise CurveboundError(f"{path} fails: {type(error).__name__}: {error}.") from error
+        raise CurveboundError(f"{where} fails: {type(error).__name__}: {error}.") from error
     return namespace
 
 

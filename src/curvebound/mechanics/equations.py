@@ -40,7 +40,7 @@ def equations_source(derivation: Derivation) -> str:
     parts += _jacobian("jacobian", numerators, denominator, [*q, *v], d)
     relative = sympy.Add(*(r.mass * d.velocity(r) ** 2 / 2 for r in d.raw))
     parts += _function("momenta", [relative.diff(x) for x in v])
-    parts += _canonical("canonical", d, relative)
+    parts += _canonical(d, relative)
     parts += _turning(d)
     parts += _function("fed", d.fed)
     parts += _function("held", d.held, d.shared)
@@ -58,6 +58,7 @@ def equations_source(derivation: Derivation) -> str:
         parts += _outputs("linear_energies", {f"energy.{k}": e for k, e in energies.items()})
         parts += _function("linear_fed", [linear.power, sympy.Integer(0)])
         parts += _function("linear_weights", linear.weights)
+        parts += _newton(d)
     return "\n".join(parts)
 
 
@@ -141,8 +142,8 @@ def _jacobian(
     return [*lines, f"    return [{', '.join(rows)}]", ""]
 
 
-def _canonical(name: str, d: Derivation, relative: Expr) -> list[str]:
-    """Hamilton's equations: q' and p' from q and p (symbols momentum.0, momentum.1)."""
+def _canonical(d: Derivation, relative: Expr) -> list[str]:
+    """Hamilton's equations: q' from q and p (symbols momentum.0, .1), p' from q and q'."""
     p = [Symbol(f"momentum.{i}", real=True) for i in range(len(d.q))]
     still = dict.fromkeys(d.v, sympy.Integer(0))
     over = [e - relative.diff(v).subs(still) for e, v in zip(p, d.v, strict=True)]
@@ -154,7 +155,7 @@ def _canonical(name: str, d: Derivation, relative: Expr) -> list[str]:
     for k, c in enumerate(d.q):
         applied = sympy.Add(*((r.external + r.drag) * r.slopes[k] for r in d.raw))
         forces.append(lagrangian.diff(c) + applied + d.couples[k] + d.resisting[k])
-    return _hamilton(name, d, rates, forces)
+    return _hamilton("", rates, forces)
 
 
 def _linear_canonical(linear: Linear, d: Derivation) -> list[str]:
@@ -175,7 +176,7 @@ def _linear_canonical(linear: Linear, d: Derivation) -> list[str]:
         others = linear.first(applied + d.couples[k] + d.resisting[k])
         forces.append(lagrangian.diff(c) + others)
     momenta = _function("linear_momenta", [quadratic.diff(v) for v in d.v])
-    return momenta + _hamilton("linear_canonical", d, rates, forces)
+    return momenta + _hamilton("linear_", rates, forces)
 
 
 def _from_momenta(d: Derivation, over: list[Expr], relative: Expr, determinant: Expr) -> list[Expr]:
@@ -189,15 +190,25 @@ def _from_momenta(d: Derivation, over: list[Expr], relative: Expr, determinant: 
     ]
 
 
-def _hamilton(name: str, d: Derivation, rates: list[Expr], forces: list[Expr]) -> list[str]:
-    used = sympy.Add(*rates).free_symbols | sympy.Add(*forces).free_symbols
-    lines = ["", f"def {name}(F, s):"]
-    known = sorted(x.name for x in used if x not in d.v)
-    lines += [f'    {identifier(n)} = s["{n}"]' for n in known]
-    lines += _body([(identifier(v.name), e) for v, e in zip(d.v, rates, strict=True)])
-    lines += _body([(f"y{i}", e) for i, e in enumerate(forces)])
-    found = [identifier(v.name) for v in d.v] + [f"y{i}" for i in range(len(forces))]
-    return [*lines, f"    return [{', '.join(found)}]", ""]
+def _hamilton(prefix: str, rates: list[Expr], forces: list[Expr]) -> list[str]:
+    return _function(f"{prefix}velocities", rates) + _function(f"{prefix}pushes", forces)
+
+
+def _newton(d: Derivation) -> list[str]:
+    """Reactions in exact geometry of a motion with accelerations acceleration.0, .1."""
+    a = [Symbol(f"acceleration.{i}", real=True) for i in range(len(d.q))]
+    forces = {}
+    for r in d.raw:
+        moved = sympy.Add(*(j * x for j, x in zip(r.slopes, a, strict=True)))
+        forces[r.of.reaction[r.axis]] = r.mass * (moved + r.left - r.field) - r.external
+    found: dict[str, Expr] = {}
+    if d.mechanics.frame:
+        for axis, n in enumerate("xy"):
+            total = sympy.Add(*(forces[m.reaction[axis]] for m in d.mechanics.masses))
+            found[f"{d.mechanics.frame}.f{n}"] = -total
+    for name, e in d.mechanics.observed.items():
+        found[name] = sympy.sympify(e).subs(forces)
+    return _outputs("linear_reactions", found)
 
 
 def _turning(d: Derivation) -> list[str]:

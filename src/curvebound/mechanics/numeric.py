@@ -9,16 +9,21 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["ManyDigits", "extended"]
+__all__ = ["ManyDigits", "double", "extended"]
 
 
-class _Extended:
-    """numpy's extended precision, element by element over arrays."""
+class _Array:
+    """numpy's functions, element by element over arrays."""
 
     sin, cos, tan, exp, log = np.sin, np.cos, np.tan, np.exp, np.log
     asin, acos, atan, atan2 = np.arcsin, np.arccos, np.arctan, np.arctan2
     sinh, cosh, tanh = np.sinh, np.cosh, np.tanh
     fabs, sqrt = np.abs, np.sqrt
+
+
+class _Extended(_Array):
+    """numpy's extended precision."""
+
     pi = 4 * np.arctan(np.longdouble(1))
 
     @staticmethod
@@ -32,7 +37,20 @@ class _Extended:
         return np.longdouble(x)
 
 
+class _Double(_Array):
+    """Double precision."""
+
+    pi = np.pi
+    number = staticmethod(float)
+
+    @staticmethod
+    def ratio(p: int, q: int) -> float:
+        """p / q."""
+        return p / q
+
+
 extended = _Extended()
+double = _Double()
 
 
 class ManyDigits:

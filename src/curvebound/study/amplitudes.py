@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .equations import known_systems, system_of
+from .equations import system_of
 from .runner import Runner
 from .settings import Setting
 from .starts import initial_values, set_points
 from .truth import Truths
 
 if TYPE_CHECKING:
+    from ..cosim.fmu import Fmu
     from ..cosim.system import System
     from .study import Study
 
@@ -76,14 +77,14 @@ def _motion(system: System) -> dict[str, float]:
     """Start values that are motion, by path; none where feedback holds it away from rest."""
     if any(point != 0.0 for point in set_points(system).values()):
         return {}
-    shapes = {shape for model in known_systems() for shape in _shapes(model)}
-    return {
-        path: value
-        for path, value in initial_values(system).items()
-        if path.partition(".")[2] not in shapes
+    shapes = {
+        f"{name}.{shape}_start"
+        for name, node in system.nodes.items()
+        for shape in _shapes(node.fmu)
     }
+    return {path: value for path, value in initial_values(system).items() if path not in shapes}
 
 
-def _shapes(model: str) -> tuple[str, ...]:
-    """Start values that a control law knows as the shape of what it holds."""
-    return system_of(model).equations.DESIGNED_FOR
+def _shapes(fmu: Fmu) -> tuple[str, ...]:
+    derived = system_of(fmu).derived
+    return derived.shapes if derived is not None else ()

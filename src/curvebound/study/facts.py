@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..cosim import RunFailed, Scene
+from .linear_model import linearize
 from .reference import refer
 
 __all__ = ["drift_law", "exact_errors", "fall_time", "form_ratio", "linear_bound", "step_limit"]
@@ -147,9 +148,8 @@ def step_limit(start: Mapping[str, float], above: float = 0.6, below: float = 1e
 
 def linear_bound(start: Mapping[str, float]) -> float:
     """2.83 over the faster frequency of the linear model (rad/s): rk4's own limit at rest."""
-    from .regulator import linear_model
-
-    values = np.linalg.eigvals(linear_model(dict(start))[0])
+    rest = {"slider.u": 0.0, "pendulum.angle": 0.0}
+    values = np.linalg.eigvals(linearize("ParabolaPendulum", {**start, **rest}, inputs=[]).A)
     return 2.0 * math.sqrt(2.0) / float(np.abs(values.imag).max())
 
 

@@ -44,7 +44,7 @@ def equations_of(node: Node, changes: Mapping[str, Value]) -> Equations:
             array = np.asarray(value, dtype=np.float64).astype(Number)
             value = array if array.size > 1 else array.reshape(-1)[0]
         parameters[variable.name] = value
-    return system_of(node.fmu.model_name).equations(parameters)
+    return system_of(node.fmu).equations(parameters)
 
 
 @dataclass
@@ -87,7 +87,7 @@ class Monolith:
                 if path.partition(".")[0] == name
             }
             equations = equations_of(node, own)
-            second = system_of(node.fmu.model_name).witness if witness else None
+            second = system_of(node.fmu).witness if witness else None
             form = second(equations) if second is not None else None
             count = len((form or equations).start())
             sources = {i: self._source(node, i) for i in node.fmu.inputs}
@@ -272,7 +272,7 @@ class Monolith:
             known = [
                 f"{part.name}.{variable}"
                 for part in self.parts.values()
-                for variable in system_of(self.system.nodes[part.name].fmu.model_name).main
+                for variable in system_of(self.system.nodes[part.name].fmu).main
             ]
             raise CurveboundError(
                 f"There is no reference for the output {path}: the equations do not define it. "

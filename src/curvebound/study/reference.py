@@ -1,9 +1,9 @@
 """References: what a scene's outputs are, and how sure that is.
 
 The solution is computed twice, by two methods on two formulations, both in extended precision:
-Gauss collocation on the generalised coordinates gives the values, and the closed form where there
-is one, else the extrapolated midpoint rule on Cartesian coordinates with multipliers, the witness
-(for many starts at once, collocation of another order on those coordinates).
+Gauss collocation on coordinates and rates gives the values, and the closed form where there is one,
+else the extrapolated midpoint rule on coordinates and momenta, the witness (for many starts at
+once, collocation of another order on those).
 Twice the largest difference between them up to a time is the uncertainty stated for that time.
 """
 
@@ -135,7 +135,7 @@ def _compute(
             states = _extrapolated(other, begin, end, checks, lambda x: tell(0.5 + 0.5 * x))
             how = "collocation; extrapolated midpoint rule"
         witness = other.observe(paths, np.array(checks), states)
-        how += " on Cartesian coordinates with multipliers"
+        how += " on coordinates and momenta"
     values = own.observe(paths, np.array(checks), trajectory.states(checks))
     doubts = {f"uncertainty {path}": _doubt(values[path], witness[path]) for path in paths}
     return {**doubts, **trajectory.arrays(), "checks": np.array(checks), "how": np.array(how)}
@@ -235,7 +235,7 @@ def _closed_form(
     states = np.zeros((own.size, len(times), own.members), dtype=Number)
     fresh = Monolith(system, changes, continuous=continuous)
     for name, part in fresh.parts.items():
-        form = system_of(system.nodes[name].fmu.model_name).closed_form
+        form = system_of(system.nodes[name].fmu).closed_form
         if form is None:
             return [], None
         zero = np.zeros((1, 1), dtype=Number)
@@ -248,5 +248,5 @@ def _closed_form(
 
 
 def _closed_form_name(system: System) -> str:
-    names = {system_of(n.fmu.model_name).closed_form_name for n in system.nodes.values()}
+    names = {system_of(n.fmu).closed_form_name for n in system.nodes.values()}
     return ", ".join(sorted(names))

@@ -136,7 +136,7 @@ class Space:
         changed: dict[str, str] = {}
         for path, item in setting.structure:
             name, _, variable = path.partition(".")
-            entries = system_of(self.system.nodes[name].fmu.model_name).approximate
+            entries = system_of(self.system.nodes[name].fmu).approximate
             if any(variable == of for of, _ in entries):
                 changed[path] = item
         return changed
@@ -171,8 +171,8 @@ def space_of(system: System, keep: Mapping[str, str] | None = None) -> Space:
     plants = [name for names in groups.values() for name in names]
     methods: list[str] | None = None
     per_group = []
-    for model, names in groups.items():
-        known = system_of(model)
+    for names in groups.values():
+        known = system_of(system.nodes[names[0]].fmu)
         items = list(system.nodes[names[0]].fmu.variables[_METHOD].items or {})
         methods = items if methods is None else [m for m in methods if m in items]
         per_group.append([(known, structure, names) for structure in known.structures])

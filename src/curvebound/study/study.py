@@ -51,7 +51,7 @@ def study_outputs(scene: Scene, system: System) -> list[str]:
     return [
         f"{name}.{output}"
         for name, node in system.nodes.items()
-        for output in system_of(node.fmu.model_name).main
+        for output in system_of(node.fmu).main
     ]
 
 

@@ -14,6 +14,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ...mechanics.derived import Derived
+
 __all__ = ["Array", "Equations", "Inputs", "Number", "System", "Witness"]
 
 Number = np.longdouble
@@ -28,8 +30,6 @@ class Equations:
         (members,), enumerations as the names of their items.
     """
 
-    #: names of the components of the state; none for a control law
-    STATE: ClassVar[tuple[str, ...]] = ()
     #: start values of what a control law measures that its gains are made for: not motion, shape
     DESIGNED_FOR: ClassVar[tuple[str, ...]] = ()
 
@@ -37,7 +37,7 @@ class Equations:
         self.parameters = parameters
 
     def start(self) -> list[Array]:
-        """The initial state, one array per entry of STATE."""
+        """The initial state, one array per component; none for a control law."""
         return []
 
     def rates(self, time: Array, state: Sequence[Array], inputs: Inputs) -> list[Array]:
@@ -85,7 +85,7 @@ class Witness:
         raise NotImplementedError
 
 
-#: closed form: (equations, inputs held from the start on, times (n,)) -> states (len(STATE), n,
+#: closed form: (equations, inputs held from the start on, times (n,)) -> states (components, n,
 #: members), or None where the formula does not apply
 ClosedForm = Callable[[Equations, Inputs, Sequence[float]], "Array | None"]
 
@@ -94,6 +94,8 @@ ClosedForm = Callable[[Equations, Inputs, Sequence[float]], "Array | None"]
 class System:
     """All about one FMU's equations.
 
+    equations: makes them of the parameters.
+    derived: what follows from its statement, None for a control law.
     structures: ways in which the FMU can compute the same thing, as values of its enumerations,
         the most accurate model first.
     approximate: enumeration values that change the model itself, not only how it is computed.
@@ -103,8 +105,9 @@ class System:
     """
 
     model_name: str
-    equations: type[Equations]
+    equations: Callable[[Mapping[str, Any]], Equations]
     witness: type[Witness] | None = None
+    derived: Derived | None = None
     structures: tuple[Mapping[str, str], ...] = ({},)
     approximate: tuple[tuple[str, str], ...] = ()
     main: tuple[str, ...] = ()

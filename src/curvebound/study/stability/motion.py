@@ -1,87 +1,136 @@
-"""Both systems as Newton wrote them, in extended precision, for any ratio of their parameters.
-
-The equations of curvebound.study.equations solve the mass matrix, whose determinant cancels for a
-light slider; here the rod's tension is eliminated instead, in which nothing cancels. With slope
-q = 2 a u, rod direction d = (sin th, -cos th), e = (cos th, sin th), b the acceleration that the
-slider would have at u'' = 0 (less gravity), F1 and F2 the forces on slider and bob,
-
-    m1 (b + u'' (1, q)).(1, q) = F1.(1, q) + T d.(1, q)
-    m2 (b.d + u'' d.(1, q) - r th'^2) = F2.d - T
-    m2 (b.e + u'' e.(1, q) + r th'') = F2.e
-"""
+"""The motion of a system alone, with inputs held from the start on: equations and their slopes."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
+from ...mechanics.derived import Derived
+from ...mechanics.numeric import double, extended
 from ..equations import Array
 
-__all__ = ["Accelerations", "bead", "pendulum"]
+__all__ = ["Accelerations", "Motion", "Slopes", "Values"]
 
-Number = np.longdouble
 #: t (n,), q (2, n), v (2, n) to q'' (2, n)
 Accelerations = Callable[[Array, Array, Array], Array]
+#: the same to d(q'')/d(q) and d(q'')/d(v), shape (2, 2, 2, n): of q or v, q'', by which
+Slopes = Callable[[Array, Array, Array], Array]
 Values = Mapping[str, float | str]
 
 
-def _numbers(values: Values) -> dict[str, Array]:
-    return {k: Number(v) for k, v in values.items() if not isinstance(v, str)}
+class Motion:
+    """A system's equations at the values of its parameters, start values and inputs.
 
+    damped: with its damping; what damping makes fast dies out. A system of one coordinate has a
+    second one that rests.
+    """
 
-def bead(values: Values) -> Accelerations:
-    """The bead in its angle; the second coordinate rests."""
-    p = _numbers(values)
-    m, r = p["bead.mass"], p["wire.radius"]
-    ex = (p["gravity.x"] - p["wire.ax"] + p["bead.fx"] / m) / r
-    ey = (p["gravity.y"] - p["wire.ay"] + p["bead.fy"] / m) / r
-    k = p["bead.damping"] / m
+    def __init__(self, derived: Derived, values: Values, *, damped: bool = True) -> None:
+        self.derived = derived
+        real = {k: float(v) for k, v in values.items() if not isinstance(v, str)}
+        if not damped:
+            real |= dict.fromkeys(derived.damping, 0.0)
+        self.linear = derived.has_linear and values.get("model.fidelity") == "linear"
+        self._count = len(derived.coordinates)
+        self._values = {F: {k: F.number(v) for k, v in real.items()} for F in (extended, double)}
+        self._fixed = {F: derived.at(F, values) for F, values in self._values.items()}
+        self._moves = any(real.get(f"{s}_rate_start", 0.0) != 0.0 for s in derived.shapes)
+        self._moves |= any(real.get(f"{s}_acceleration", 0.0) != 0.0 for s in derived.shapes)
+        names = (*derived.coordinates, *derived.rates)
+        start = [real[f"{name}_start"] for name in names]
+        n = self._count
+        rest = [0.0] * (2 - n)
+        #: q0, q1, v0, v1
+        self.start: tuple[float, float, float, float]
+        self.start = (*start[:n], *rest, *start[n:], *rest)  # type: ignore[assignment]
 
-    def accelerations(t: Array, q: Array, v: Array) -> Array:
-        turning = ex * np.cos(q[0]) + ey * np.sin(q[0]) - k * v[0]
-        return np.stack([turning, np.zeros_like(turning)])
+    def _at(self, F: Any, t: Any, q: Array, v: Array) -> dict[str, Any]:
+        s = dict(self._fixed[F] if not self._moves else self.derived.at(F, self._values[F], t))
+        for i in range(self._count):
+            s[self.derived.coordinates[i]] = q[i]
+            s[self.derived.rates[i]] = v[i]
+        return s
 
-    return accelerations
+    def _call(self, name: str, F: Any, t: Any, q: Array, v: Array) -> Any:
+        prefix = "linear_" if self.linear and name in ("accelerations", "jacobian") else ""
+        return self.derived.function(prefix + name)(F, self._at(F, t, q, v))
 
+    def accelerations(self, t: Array, q: Array, v: Array) -> Array:
+        """q'' in extended precision, see Accelerations."""
+        found = np.zeros(np.broadcast_shapes(np.shape(q), (2, 1)), dtype=np.longdouble)
+        for i, a in enumerate(self._call("accelerations", extended, t, q, v)):
+            found[i] = a
+        return found
 
-def pendulum(values: Values) -> Accelerations:
-    """The pendulum on the parabola, in the fidelity that the values name."""
-    p = _numbers(values)
-    m1, m2, r = p["slider.mass"], p["pendulum.mass"], p["pendulum.length"]
-    c1, c2 = p["slider.damping"], p["pendulum.damping"]
-    sway = p["parabola.ax"] - p["gravity.x"]
-    lift = p["parabola.ay"] - p["gravity.y"]
-    f1x, f1y = p["slider.fx"], p["slider.fy"]
-    f2x, f2y = p["pendulum.fx"], p["pendulum.fy"]
-    start, rate = p["parabola.coefficient_start"], p["parabola.coefficient_rate_start"]
-    dda = p["parabola.coefficient_acceleration"]
+    def slopes(self, t: Array, q: Array, v: Array) -> Array:
+        """Derivatives of the accelerations in double precision, see Slopes."""
+        q, v = np.asarray(q, float), np.asarray(v, float)
+        found = np.zeros((2, 2, 2, q.shape[1]))
+        n = self._count
+        with np.errstate(all="ignore"):
+            rows = self._call("jacobian", double, np.asarray(t, float), q, v)
+        for i, row in enumerate(rows):
+            for k, slope in enumerate(row):
+                found[k // n, i, k % n] = slope
+        return found
 
-    def linear(t: Array, q: Array, v: Array) -> Array:
-        slope = 2 * (start + t * (rate + t * dda / 2)) * q[0]
-        couple = c2 * v[1] / r
-        lean = q[1] - slope
-        push = f1x + slope * f1y - c1 * v[0] + couple - f2y * lean
-        ddu = (push + lift * (m2 * lean - m1 * slope)) / m1 - sway
-        return np.stack([ddu, ((f2x + f2y * q[1] - couple) / m2 - lift * q[1] - sway - ddu) / r])
+    def rates(self, t: Array, q: Array, v: Array) -> Array:
+        """Rates (1/s) at which the motion changes, shape (n,).
 
-    def full(t: Array, q: Array, v: Array) -> Array:
-        a, da = start + t * (rate + t * dda / 2), rate + t * dda
-        u, th = q
-        du, dth = v
-        s, c = np.sin(th), np.cos(th)
-        slope = 2 * a * u
-        couple = c2 * dth / r
-        bx, by = sway, lift + 2 * a * du * du + 4 * da * u * du + dda * u * u
-        along_rod = s - slope * c
-        steep = 1 + slope * slope
-        # friction -c1 u' along (1, q); the couple on the rod as forces across it at its ends
-        push = f1x + slope * f1y - c1 * du * steep + couple * (c + slope * s)
-        tension = f2x * s - f2y * c + m2 * (r * dth * dth - (bx * s - by * c))
-        ddu = (push - m1 * (bx + by * slope) + along_rod * tension) / (
-            m1 * steep + m2 * along_rod * along_rod
-        )
-        across = (f2x * c + f2y * s - couple) / m2 - (bx * c + by * s)
-        return np.stack([ddu, (across - ddu * (c + slope * s)) / r])
+        The root of the spectral radius of d(q'')/d(q), and the rates at which its own velocities
+        turn the directions in which its coordinates move the masses. Of one coordinate the
+        acceleration itself counts with its slope: where one vanishes, the other is large.
+        """
+        t, q, v = (np.asarray(x, float) for x in (t, q, v))
+        j = self.slopes(t, q, v)[0]
+        if self._count == 1:
+            turning = self._call("accelerations", double, t, q, v)[0] + 0.0 * q[0]
+            radius = np.hypot(j[0, 0], turning / self.unit(q, v))
+        else:
+            half, product = 0.5 * (j[0, 0] + j[1, 1]), j[0, 0] * j[1, 1] - j[0, 1] * j[1, 0]
+            inside = half * half - product
+            radius = np.where(
+                inside >= 0.0,
+                np.abs(half) + np.sqrt(np.maximum(inside, 0.0)),
+                np.sqrt(np.maximum(product, 0.0)),
+            )
+        found = np.sqrt(radius)
+        if self.linear:
+            return np.asarray(found)
+        pairs = self._call("turning", double, t, q, v)
+        for turned, slope in zip(pairs[::2], pairs[1::2], strict=True):
+            with np.errstate(all="ignore"):
+                rate = np.sqrt(np.float64(turned) / np.float64(slope)) + 0.0 * q[0]
+            found = np.fmax(found, np.where(np.isfinite(rate), rate, 0.0))
+        return np.asarray(found)
 
-    return linear if values["model.fidelity"] == "linear" else full
+    def reach(self, coordinate: int) -> float:
+        """How far (m) a unit of a coordinate moves the first mass that it moves, at the start."""
+        q, v = np.array(self.start[:2])[:, None], np.array(self.start[2:])[:, None]
+        masses = len(self.derived.masses)
+        found = self._call("turning", double, 0.0, q, v)[1::2]
+        sizes = [
+            float(np.ravel(x)[0]) for x in found[masses * coordinate : masses * (coordinate + 1)]
+        ]
+        return math.sqrt(next((x for x in sizes if x > 0.0), 1.0))
+
+    def unit(self, q: Array | None = None, v: Array | None = None) -> Any:
+        """Size of the first coordinate in units of the second, or by itself.
+
+        Of an angle 1 (rad); of a length how far (m) a radian of the other coordinate moves a mass,
+        else how far it goes until the direction of its path has turned.
+        """
+        if self.derived.angles[0]:
+            return 1.0
+        if q is None or v is None:
+            q = np.array(self.start[:2])[:, None]
+            v = np.array(self.start[2:])[:, None]
+        if self._count == 2 and self.derived.angles[1]:
+            return self.reach(1)
+        slope, bend = self._call("scales", double, 0.0, q, v)[:2]
+        with np.errstate(all="ignore"):
+            size = np.sqrt(np.float64(slope) / np.float64(bend)) + 0.0 * q[0]
+        return np.where(np.isfinite(size), size, 1.0)

@@ -15,10 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import CurveboundError
-from ...models.base import Model
 from ..collocation import NOISE, Trajectory
 from ..equations import Array
-from .motion import Accelerations
+from .motion import Accelerations, Slopes
 from .radau_points import Tables, tables_of
 
 __all__ = ["Precise", "solve"]
@@ -44,7 +43,7 @@ class Precise(NamedTuple):
 
 def solve(
     accelerations: Accelerations,
-    kernel: Model,
+    slopes_of: Slopes,
     start: tuple[float, float, float, float],
     *,
     until: Callable[[Trajectory], float],
@@ -57,7 +56,7 @@ def solve(
 ) -> Precise:
     """Integrate from `start` (q0, q1, v0, v1) to the end that `until` gives, at most `longest` s.
 
-    kernel: the same system, for its Jacobian. until: called after each step with the trajectory;
+    slopes_of: derivatives of the accelerations. until: called after each step with the trajectory;
     gives the end of the motion (s) once it lies within it, else infinity. length: q0 in units of
     q1 (m), so that a coordinate at rest has a scale. pace: called after `until`; gives the longest
     step (s) that may follow, for between its ends long steps of stiff motion are all rounding.
@@ -75,7 +74,7 @@ def solve(
         h = float(time + h) - time if time + h > time else 0.0
         if h == 0.0:  # less than the time can resolve
             raise CurveboundError(f"the reference's step vanishes at t = {time!r} s")
-        done = _step(accelerations, kernel, tables, time, h, state, last)
+        done = _step(accelerations, slopes_of, tables, time, h, state, last)
         if done is None:
             h *= 0.25
             last = None
@@ -122,7 +121,7 @@ def _first(accelerations: Accelerations, state: Array, longest: float) -> float:
 
 def _step(
     accelerations: Accelerations,
-    kernel: Model,
+    slopes_of: Slopes,
     tables: Tables,
     time: float,
     h: float,
@@ -155,7 +154,7 @@ def _step(
         if not np.all(np.isfinite(residual)):
             return None
         if inverse is None:
-            found = _inverse(kernel, tables, times, q, v, h, unit)
+            found = _inverse(slopes_of, tables, times, q, v, h, unit)
             if found is None:
                 return None
             inverse, slopes = found
@@ -192,21 +191,16 @@ def _rounding(slopes: Array, q: Array, v: Array) -> Array:
 
 
 def _inverse(
-    kernel: Model, tables: Tables, times: Array, q: Array, v: Array, h: float, unit: Array
+    slopes_of: Slopes, tables: Tables, times: Array, q: Array, v: Array, h: float, unit: Array
 ) -> tuple[Array, Array] | None:
     """Inverse of the Newton matrix at the stages (q, v), in units of the coordinates.
 
     And sizes of the slopes of the accelerations there, shape (2, 2, 2, s).
     """
     s = len(times)
-    where = zip(times.astype(float), *q.astype(float), *v.astype(float), strict=True)
-    try:
-        slopes = h * np.array([kernel.jacobian(*(float(x) for x in one)) for one in where])
-    except (ArithmeticError, ValueError):
-        return None
-    # 2 x 2 blocks of (s, s): slopes[:, 2 a + b] is d a_a / d q_b, 4 later d a_a / d v_b
-    of_q = (slopes[:, :4].T * h).reshape(2, 2, s)
-    of_v = slopes[:, 4:].T.reshape(2, 2, s)
+    slopes = slopes_of(times, q, v)
+    # blocks of (s, s) by acceleration and coordinate
+    of_q, of_v = h * h * slopes[0], h * slopes[1]
     twice, integral = tables.twice.astype(float), tables.integral.astype(float)
     blocks = of_q[..., None] * twice + of_v[..., None] * integral
     matrix = np.eye(2 * s) - blocks.transpose(0, 2, 1, 3).reshape(2 * s, 2 * s)
@@ -214,9 +208,7 @@ def _inverse(
         inverse: Array = np.linalg.inv(matrix * (unit[None, :] / unit[:, None]))
     except np.linalg.LinAlgError:
         return None
-    # of q, then of v: accelerations by coordinate
-    sizes = np.abs(slopes).T.reshape(2, 2, 2, s) / h
-    return (inverse, sizes) if np.all(np.isfinite(inverse)) else None
+    return (inverse, np.abs(slopes)) if np.all(np.isfinite(inverse)) else None
 
 
 def _units(k: Array, state: Array, h: float) -> Array:

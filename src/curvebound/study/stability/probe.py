@@ -16,10 +16,9 @@ from ...cosim.prepared import Prepared
 from ...cosim.results import Result, RunFailed
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
-from ..equations import known_systems, system_of
+from ..equations import system_of
 from . import theory
-from .kernels import kernel_of
-from .ranges import SYSTEMS
+from .motion import Motion
 
 __all__ = ["ACCURATE", "FAILED", "INACCURATE", "UNKNOWN", "UNSTABLE", "Probe", "Verdict"]
 
@@ -39,12 +38,6 @@ GROWN = 10.0
 #: residual of the exact run, over the energy at stake, beyond which it is not trusted
 TRUSTED = 1e-6
 _REFERENCE: dict[str, Value] = {"solver.method": "adaptive", "solver.tolerance": 1e-11}
-_STATES = {
-    "BeadOnWire": ("bead.angle", "bead.angular_velocity"),
-    "ParabolaPendulum": (
-        "slider.u", "pendulum.angle", "slider.u_rate", "pendulum.angular_velocity",
-    ),
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -98,7 +91,12 @@ class Probe:
         self.start = scene.start_time
         self.duration = scene.stop_time - scene.start_time
         self.alone = len(scene.components) == 1
-        main = system_of(self.model).main if self.model in known_systems() else ()
+        try:
+            carried = system_of(node.fmu)
+        except CurveboundError:
+            carried = None  # an FMU of another house: judged by what the scene needs
+        main = carried.main if carried is not None else ()
+        self.derived = carried.derived if carried is not None else None
         wanted = [p.partition(".")[2] for p in scene.needs.errors if p.partition(".")[0] == name]
         self.judged = [f"{name}.{v}" for v in (main or wanted)]
         if not self.judged:
@@ -107,7 +105,8 @@ class Probe:
         scene.adaptive = None
         scene.record_every = 1
         self.energies = [f"{name}.energy.{v}" for v in ("kinetic", "potential", "residual")]
-        self.states = [f"{name}.{v}" for v in _STATES.get(self.model, ())]
+        motion = (self.derived.coordinates, self.derived.rates) if self.derived else ()
+        self.states = [f"{name}.{v}" for part in motion for v in part]
         scene.record(*dict.fromkeys([*self.judged, *self.energies, *self.states]))
         self._macro = scene.step
         of = node.fmu.variables
@@ -183,22 +182,23 @@ class Probe:
         NaN where there is none: an unknown model, or a method without a boundary.
         """
         values = {**self._values, self.variable: value}
-        system = next((name for name, (fmu, _) in SYSTEMS.items() if fmu == self.model), None)
-        if not self.alone or system is None or method in ("adaptive", "implicit", "exact"):
+        derived = self.derived
+        if not self.alone or derived is None or method in ("adaptive", "implicit", "exact"):
             return math.nan, math.nan
+        inputs = {v.name: 0.0 for v in derived.variables if v.kind == "input"}
         try:
-            model = kernel_of(system, values)
+            motion = Motion(derived, {**inputs, **values})
         except (ArithmeticError, ValueError):
             return math.nan, math.nan  # outside the domain, as every run says
         reference, _ = self._exact(value)
-        rest = theory.jacobians(model, [(0.0, 0.0, 0.0, 0.0)])
+        rest = theory.jacobians(motion, np.zeros((4, 1)))
         moving: Sequence[NDArray[Any]] = []
         if reference is not None:
             columns = [reference[name] for name in self.states]
-            if len(columns) == 2:
-                columns = [columns[0], 0 * columns[0], columns[1], 0 * columns[1]]
-            moving = theory.jacobians(model, np.stack(columns, axis=1).tolist())
-            moving = [a for a in moving if theory.swings(a)]
+            n = len(columns) // 2
+            still = [np.zeros_like(columns[0])] * (2 - n)
+            states = np.stack([*columns[:n], *still, *columns[n:], *still])
+            moving = [a for a in theory.jacobians(motion, states) if theory.swings(a)]
 
         def smallest(matrices: Sequence[NDArray[Any]]) -> float:
             found = [theory.boundary(method, a, self.duration, least, most) for a in matrices]

@@ -1,4 +1,4 @@
-"""Random points of the whole declared ranges of both systems.
+"""Random points of the ranges that a system declares in its fmu.py.
 
 Sizes are drawn uniformly in their logarithm. Terms that can be off (damping, inputs, gravity, a
 start speed) are off in a share of the points, so that the simpler cases occur too.
@@ -9,11 +9,25 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["SYSTEMS", "Point", "draw"]
+from ...fmi.declaration import CHOICE, INPUT, PARAMETER, Fmu
+from ...fmi.folder import Folder, find, names
+from ...fmi.ranges import Angle, Explored, Items, Range
+from ...mechanics.derived import Derived, derive
+from .motion import Motion
+
+__all__ = ["Point", "draw", "drawer", "sampled", "systems"]
 
 Value = float | str
+#: of what fmu.py names no range for
+_SIZE = Range(1e-3, 1e3)
+_SPEED = Range(1e-3, 1e3, signed=True, share=0.7, speed=True)
+_START = Range(1e-3, 1e3, signed=True, share=0.8)
+_DAMPING = Range(1e-6, 1e6, share=0.4)
+_PUSH = Range(1e-3, 1e3, signed=True, share=0.15)
 
 
 class Point(NamedTuple):
@@ -23,104 +37,118 @@ class Point(NamedTuple):
     values: dict[str, Value]
 
 
-def _size(rng: random.Random, low: float, high: float) -> float:
-    """Uniform in the logarithm."""
-    return math.exp(rng.uniform(math.log(low), math.log(high)))
+def sampled(which: str | Path) -> tuple[Folder, Derived]:
+    """The folder of a system that can be sampled, and what follows from its statement."""
+    folder = find(which)
+    return folder, derive(folder.path / "mechanics.py", folder.name)
 
 
-def _signed(rng: random.Random, low: float, high: float) -> float:
-    return _size(rng, low, high) * rng.choice((-1.0, 1.0))
+def systems() -> list[str]:
+    """Names of the shipped systems that have mechanics."""
+    return [name for name in names() if (find(name).path / "mechanics.py").is_file()]
 
 
-def _sometimes(rng: random.Random, share: float, value: float) -> float:
-    """The value in a share of the points, else zero. The value is drawn in any case."""
-    return value if rng.random() < share else 0.0
+def draw(which: str | Path, count: int, seed: int) -> list[Point]:
+    """The first `count` points of the sample of a system, by its name or folder."""
+    name = find(which).name
+    one = drawer(which)
+    return [Point(i, one(random.Random(f"{name} {seed} {i}"))) for i in range(count)]
+
+
+def drawer(which: str | Path) -> Callable[[random.Random], dict[str, Value]]:
+    """What draws one point of a system's ranges."""
+    folder, derived = sampled(which)
+    return partial(_point, ranges=_ranges(folder.fmu(), derived), derived=derived)
+
+
+def _ranges(fmu: Fmu, derived: Derived) -> dict[str, Explored]:
+    """Ranges of all that a sample sets: those declared, and the usual ones."""
+    found = dict(fmu.ranges)
+    solver = ("gravity.x", "gravity.y", "solver.step", "solver.tolerance")
+    for v in fmu.variables:
+        if v.name in found or v.name in solver or v.kind not in (PARAMETER, CHOICE, INPUT):
+            continue
+        usual = _usual(v.name, v.unit, derived)
+        if v.kind == CHOICE and v.type is not None and v.name != "solver.method":
+            usual = Items(tuple(item for item, _ in v.type.items))
+        elif v.kind == PARAMETER and usual is None and not v.name.startswith("constraint."):
+            positive = v.minimum is not None
+            usual = _SIZE if positive else _SIZE._replace(signed=True)
+        if usual is not None:
+            found[v.name] = usual
+    return found
+
+
+def _usual(name: str, unit: str, derived: Derived) -> Explored | None:
+    if name in derived.damping:
+        return _DAMPING
+    if name in derived.forces:
+        mass = f"{name.rpartition('.')[0]}.mass"
+        return _PUSH._replace(times=mass) if mass.partition(".")[0] in derived.masses else _PUSH
+    if name.endswith("_acceleration") or name.rpartition(".")[0] == derived.frame != "":
+        return _PUSH
+    for coordinate, rate, is_angle in zip(
+        derived.coordinates, derived.rates, derived.angles, strict=True
+    ):
+        if name == f"{coordinate}_start":
+            return Angle() if is_angle else _START
+        if name == f"{rate}_start":
+            return _SPEED
+    if name.endswith("_rate_start"):
+        return _PUSH
+    return None
+
+
+def _point(rng: random.Random, ranges: dict[str, Explored], derived: Derived) -> dict[str, Value]:
+    values: dict[str, Value] = {}
+    speeds = []
+    if "gravity" not in ranges:
+        values |= _gravity(rng)
+    for name, explored in ranges.items():
+        if name == "gravity":
+            values |= _gravity(rng)
+        elif isinstance(explored, Items):
+            values[name] = rng.choice(explored.items)
+        elif isinstance(explored, Angle):
+            values[name] = _angle(rng, explored)
+        else:
+            value = _drawn(rng, explored)
+            if explored.times:
+                value *= float(values[explored.times])
+            values[name] = value
+            if explored.speed:
+                speeds.append(name)
+    rates = [f"{rate}_start" for rate in derived.rates]
+    for name in speeds:
+        speed = float(values[name])
+        if speed != 0.0:
+            still = {**values, **dict.fromkeys(rates, 0.0)}
+            values[name] = speed / Motion(derived, still).reach(rates.index(name))
+    return values
+
+
+def _drawn(rng: random.Random, explored: Range) -> float:
+    """A size, drawn in any case, and in a share of the points what is meant."""
+    value = math.exp(rng.uniform(math.log(explored.low), math.log(explored.high)))
+    if explored.signed:
+        value *= rng.choice((-1.0, 1.0))
+    if explored.share < 1.0 and not rng.random() < explored.share:
+        return 0.0
+    return value
 
 
 def _gravity(rng: random.Random) -> dict[str, Value]:
     """Mostly downward, sometimes upward or zero, sometimes oblique."""
     kind = rng.random()
-    down = _size(rng, 1e-3, 1e3)
+    down = _drawn(rng, _SIZE)
     if kind < 0.1:
         down = 0.0
     elif kind < 0.3:
         down = -down
-    return {"gravity.x": _sometimes(rng, 0.25, _signed(rng, 1e-3, 1e3)), "gravity.y": -down}
+    return {"gravity.x": _drawn(rng, Range(1e-3, 1e3, True, 0.25)), "gravity.y": -down}
 
 
-def _angle(rng: random.Random) -> float:
-    """Anywhere on the circle; sometimes many turns on."""
-    return rng.uniform(-math.pi, math.pi) + _sometimes(
-        rng, 0.1, 2.0 * math.pi * rng.randint(-1000, 1000)
-    )
-
-
-def bead(rng: random.Random) -> dict[str, Value]:
-    """A bead on a wire."""
-    radius = _size(rng, 1e-3, 1e3)
-    mass = _size(rng, 1e-8, 1e8)
-    speed = _sometimes(rng, 0.75, _signed(rng, 1e-3, 1e3))
-    formulation = rng.choice(("lagrange_multiplier", "angle"))
-    stabilization = rng.choice(("none", "baumgarte", "projection", "projection"))
-    return {
-        **_gravity(rng),
-        "wire.radius": radius,
-        "bead.mass": mass,
-        "bead.damping": _sometimes(rng, 0.6, _size(rng, 1e-6, 1e6)),
-        "bead.angle_start": _angle(rng),
-        "bead.angular_velocity_start": speed / radius,
-        "model.formulation": formulation,
-        "constraint.stabilization": stabilization,
-        "wire.ax": _sometimes(rng, 0.2, _signed(rng, 1e-3, 1e3)),
-        "wire.ay": _sometimes(rng, 0.2, _signed(rng, 1e-3, 1e3)),
-        "bead.fx": _sometimes(rng, 0.2, mass * _signed(rng, 1e-3, 1e3)),
-        "bead.fy": _sometimes(rng, 0.2, mass * _signed(rng, 1e-3, 1e3)),
-    }
-
-
-def pendulum(rng: random.Random) -> dict[str, Value]:
-    """A pendulum on a parabola."""
-    slider = _size(rng, 1e-4, 1e4)
-    bob = slider * _size(rng, 1e-8, 1e8)
-    length = _size(rng, 1e-3, 1e3)
-    coefficient = _sometimes(rng, 0.95, _signed(rng, 1e-4, 1e4))
-    u = _sometimes(rng, 0.8, _signed(rng, 1e-3, 1e3))
-    # start speeds are those along the parabola and of the bob about the slider
-    slope = 2.0 * coefficient * u
-    speed = _sometimes(rng, 0.7, _signed(rng, 1e-3, 1e3))
-    turning = _sometimes(rng, 0.7, _signed(rng, 1e-3, 1e3))
-    return {
-        **_gravity(rng),
-        "parabola.coefficient_start": coefficient,
-        "parabola.coefficient_rate_start": _sometimes(rng, 0.1, _signed(rng, 1e-4, 1e4)),
-        "slider.mass": slider,
-        "pendulum.mass": bob,
-        "pendulum.length": length,
-        "slider.damping": _sometimes(rng, 0.4, _size(rng, 1e-6, 1e6)),
-        "pendulum.damping": _sometimes(rng, 0.4, _size(rng, 1e-6, 1e6)),
-        "slider.u_start": u,
-        "slider.u_rate_start": speed / math.sqrt(1.0 + slope * slope),
-        "pendulum.angle_start": _angle(rng),
-        "pendulum.angular_velocity_start": turning / length,
-        "model.fidelity": rng.choice(("nonlinear", "nonlinear", "nonlinear", "linear")),
-        "parabola.ax": _sometimes(rng, 0.15, _signed(rng, 1e-3, 1e3)),
-        "parabola.ay": _sometimes(rng, 0.15, _signed(rng, 1e-3, 1e3)),
-        "parabola.coefficient_acceleration": _sometimes(rng, 0.1, _signed(rng, 1e-4, 1e4)),
-        "slider.fx": _sometimes(rng, 0.15, slider * _signed(rng, 1e-3, 1e3)),
-        "slider.fy": _sometimes(rng, 0.15, slider * _signed(rng, 1e-3, 1e3)),
-        "pendulum.fx": _sometimes(rng, 0.15, bob * _signed(rng, 1e-3, 1e3)),
-        "pendulum.fy": _sometimes(rng, 0.15, bob * _signed(rng, 1e-3, 1e3)),
-    }
-
-
-#: by the name of the system: its FMU, and how its points are drawn
-SYSTEMS: dict[str, tuple[str, Callable[[random.Random], dict[str, Value]]]] = {
-    "bead": ("BeadOnWire", bead),
-    "pendulum": ("ParabolaPendulum", pendulum),
-}
-
-
-def draw(system: str, count: int, seed: int) -> list[Point]:
-    """The first `count` points of the sample of `system`; KeyError for an unknown one."""
-    _, one = SYSTEMS[system]
-    return [Point(i, one(random.Random(f"{system} {seed} {i}"))) for i in range(count)]
+def _angle(rng: random.Random, explored: Angle) -> float:
+    angle = rng.uniform(-math.pi, math.pi)
+    turns = 2.0 * math.pi * rng.randint(-explored.turns, explored.turns)
+    return angle + (turns if rng.random() < explored.share_of_turns else 0.0)

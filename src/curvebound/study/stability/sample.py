@@ -21,9 +21,11 @@ from ...cosim.prepared import Prepared
 from ...cosim.results import RunFailed
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
+from ...mechanics.derived import Derived
 from ..equations import Array
 from .characteristic import Exact, exact
-from .ranges import SYSTEMS, Point, draw
+from .motion import Motion
+from .ranges import Point, draw, sampled
 from .workers import without_interrupts, workers
 
 __all__ = ["ALLOWED", "PARTS", "Outcome", "Settings", "judge", "run_sample"]
@@ -36,15 +38,6 @@ PARTS = 20
 #: counts as at rest, and is measured by that
 REST = 1e-6
 #: coordinates, then their rates, in the order of the reference's states
-OUTPUTS = {
-    "bead": ("bead.angle", "bead.angular_velocity"),
-    "pendulum": (
-        "slider.u",
-        "pendulum.angle",
-        "slider.u_rate",
-        "pendulum.angular_velocity",
-    ),
-}
 _ENERGY = ("energy.kinetic", "energy.potential", "energy.residual")
 _WORK = ("solver.steps", "solver.evaluations")
 
@@ -53,7 +46,7 @@ _WORK = ("solver.steps", "solver.evaluations")
 class Settings:
     """What a sample is run with: `times` characteristic times, at most `max_steps` a step."""
 
-    system: str
+    system: str | Path
     method: str = "adaptive"
     tolerance: float = 1e-8
     times: float = 10.0
@@ -88,21 +81,22 @@ class _Worker:
 
     settings: Settings
     prepared: Prepared = field(init=False)
+    derived: Derived = field(init=False)
 
     def __post_init__(self) -> None:
         settings = self.settings
-        name, _ = SYSTEMS[settings.system]
-        scene = Scene(f"sample_{settings.system}", stop_time=1.0, step=1.0)
+        folder, self.derived = sampled(settings.system)
+        scene = Scene(f"sample_{folder.path.name}", stop_time=1.0, step=1.0)
         scene.add(
             "plant",
-            settings.fmu or name,
+            settings.fmu or folder.path,
             {
                 "solver.method": settings.method,
                 "solver.tolerance": settings.tolerance,
                 "solver.max_steps": settings.max_steps,
             },
         )
-        names = (*OUTPUTS[settings.system], *_ENERGY, *_WORK)
+        names = (*self.derived.coordinates, *self.derived.rates, *_ENERGY, *_WORK)
         scene.record(*(f"plant.{name}" for name in names))
         self.prepared = scene.prepare()
 
@@ -110,7 +104,7 @@ class _Worker:
         """Judge one point."""
         settings = self.settings
         try:
-            reference = exact(settings.system, point.values, count=settings.times, parts=PARTS)
+            reference = exact(self.derived, point.values, count=settings.times, parts=PARTS)
         except CurveboundError as error:
             return Outcome(point, "unknown", message=str(error))
         outcome = Outcome(point, "accurate", end=reference.end)
@@ -123,8 +117,9 @@ class _Worker:
             outcome.verdict, outcome.message = "failed", failure.cause
             return outcome
         outcome.seconds = clock.perf_counter() - began
-        columns = {name: result[f"plant.{name}"] for name in (*OUTPUTS[settings.system], *_ENERGY)}
-        outcome.error, outcome.output = judge(settings.system, point, reference, columns)
+        names = (*self.derived.coordinates, *self.derived.rates, *_ENERGY)
+        columns = {name: result[f"plant.{name}"] for name in names}
+        outcome.error, outcome.output = judge(self.derived, point, reference, columns)
         outcome.energy = _energy(columns)
         outcome.steps = int(result["plant.solver.steps"][-1])
         outcome.evaluations = int(result["plant.solver.evaluations"][-1])
@@ -136,29 +131,29 @@ class _Worker:
 
 
 def judge(
-    system: str, point: Point, reference: Exact, columns: dict[str, Array]
+    derived: Derived, point: Point, reference: Exact, columns: dict[str, Array]
 ) -> tuple[float, str]:
     """The largest relative error over time, and the output that has it.
 
     Each coordinate and rate is measured by its own largest value in the run; angles by a radian, or
     by the angle turned through where that is more; what hardly moves by REST of the length.
     """
-    names = OUTPUTS[system]
-    rows = (0, 2) if system == "bead" else (0, 1, 2, 3)
-    exact_values = reference.states[list(rows)]
+    names = (*derived.coordinates, *derived.rates)
+    half = len(derived.coordinates)
+    exact_values = reference.states[[*range(half), *range(2, 2 + half)]]
     time = reference.end / 10.0
-    half = len(names) // 2
+    unit = float(np.ravel(Motion(derived, point.values).unit())[0])
     worst, name_of_worst = 0.0, ""
     for i, name in enumerate(names):
         values = exact_values[i]
         coordinate = exact_values[i % half]
-        if names[i % half].endswith("angle"):
+        if derived.angles[i % half]:
             length = max(1.0, float(np.abs(coordinate - coordinate[0]).max()))
         else:
-            length = max(float(point.values["pendulum.length"]), float(np.abs(coordinate).max()))
+            length = max(unit, float(np.abs(coordinate).max()))
         if i >= half:
             scale = max(float(np.abs(values).max()), REST * length / time)
-        elif name.endswith("angle"):
+        elif derived.angles[i]:
             scale = length
         else:
             scale = max(float(np.abs(values).max()), REST * length)

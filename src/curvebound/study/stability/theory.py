@@ -1,4 +1,4 @@
-"""Where linear theory puts the end of stability of a method, for the kernel's own equations.
+"""Where linear theory puts the end of stability of a method, for the system's own equations.
 
 A step of h s of a method on z' = [[0, I], [Jq, Jv]] z multiplies z by a matrix S(h). The boundary
 is the largest h up to which the energy of no mode grows, over the run, to more than FACTOR times
@@ -10,13 +10,12 @@ and are left out): amplitude matters, and the two can be far apart.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.base import Model
+from .motion import Motion
 
 __all__ = ["FACTOR", "boundary", "jacobians", "step_matrix", "swings"]
 
@@ -75,18 +74,15 @@ def swings(a: Matrix) -> bool:
     return bool(modes.real.max() <= 0.1 * np.abs(modes).max())
 
 
-def jacobians(model: Model, states: Sequence[Sequence[float]]) -> list[Matrix]:
-    """The matrices a, (4, 4), at states (q0, q1, v0, v1)."""
+def jacobians(motion: Motion, states: Matrix) -> list[Matrix]:
+    """The matrices a, (4, 4), at states (q0, q1, v0, v1), shape (4, n), at the start."""
+    count = states.shape[1]
+    slopes = motion.slopes(np.zeros(count), states[:2], states[2:])
     found = []
-    for q0, q1, v0, v1 in states:
-        try:
-            j = model.jacobian(0.0, q0, q1, v0, v1)
-        except (ArithmeticError, ValueError):
-            continue
+    for i in range(count):
         a = np.zeros((4, 4))
         a[0, 2] = a[1, 3] = 1.0
-        a[2:, :2] = np.array(j[:4]).reshape(2, 2)
-        a[2:, 2:] = np.array(j[4:]).reshape(2, 2)
+        a[2:, :2], a[2:, 2:] = slopes[0, :, :, i], slopes[1, :, :, i]
         if np.all(np.isfinite(a)):
             found.append(a)
     return found

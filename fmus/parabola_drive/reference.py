@@ -1,4 +1,4 @@
-"""The drive: acceleration of the parabola as a function of time and measurements."""
+"""The law of the drive in extended precision, for references: kernel.py's, over arrays."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .base import Array, Equations, Inputs, Number, System
-
-__all__ = ["SYSTEM"]
+from curvebound.study.equations import Array, Equations, Inputs, Number
 
 _TURN = 2 * np.arctan2(Number(0), Number(-1))
 _MEASURED = (
@@ -97,4 +95,4 @@ class Law(Equations):
         return {name: out[name] for name in names}
 
 
-SYSTEM = System(model_name="ParabolaDrive", equations=Law)
+EQUATIONS = Law

@@ -1,0 +1,79 @@
+"""linearize: against closed forms, differences of the FMU's own equations, and refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from curvebound import linearize
+from curvebound.errors import CurveboundError
+
+
+def test_modes_at_rest() -> None:
+    values = np.linalg.eigvals(linearize("ParabolaPendulum", at={"slider.u": 0.0,
+                                         "pendulum.angle": 0.0}, inputs=[]).A)  # fmt: skip
+    found = sorted({round(abs(v.imag), 12) for v in values})
+    assert found == pytest.approx([2.39719939786409, 5.78735129803610], abs=1e-11)
+
+
+def test_a_bead_about_any_state() -> None:
+    angle, rate, d, r = 0.7, 1.3, 0.2, 2.0
+    model = linearize(
+        "BeadOnWire",
+        at={"bead.angle": angle, "bead.angular_velocity": rate, "bead.damping": d,
+            "wire.radius": r},
+        inputs=["bead.fx", "wire.ay"],
+        outputs=["bead.x", "bead.vy", "constraint.force", "energy.total"],
+    )  # fmt: skip
+    g, s, c = 9.81, math.sin(angle), math.cos(angle)
+    assert model.states == ("bead.angle", "bead.angular_velocity", "wire.y", "wire.vy")
+    assert model.A[1] == pytest.approx([-g * c / r, -d, 0.0, 0.0], rel=1e-15)
+    assert pytest.approx(np.array([[0, 0], [c / r, -s / r], [0, 0], [0, 1]]), rel=1e-15) == model.B
+    assert model.C[0] == pytest.approx([r * c, 0, 0, 0], rel=1e-15)
+    assert model.C[1] == pytest.approx([r * rate * c, r * s, 0, 1], rel=1e-15)
+    assert model.C[2] == pytest.approx([g * s, -2 * r * rate, 0, 0], rel=1e-15)
+    assert model.D[2] == pytest.approx([-s, -c], rel=1e-15)
+    assert model.y0[0] == pytest.approx(r * s, rel=1e-15)
+    assert model.units["constraint.force"] == "N"
+
+
+def test_an_equilibrium_is_found_and_held() -> None:
+    push = {"bead.fx": 9.81, "bead.angle": 0.5}
+    model = linearize("BeadOnWire", at=push, inputs=["bead.fx"], equilibrium=True)
+    assert model.x0[0] == pytest.approx(math.pi / 4, rel=1e-15)
+    assert np.abs(model.rest).max() < 1e-30
+    with pytest.raises(CurveboundError, match="No equilibrium of BeadOnWire"):
+        linearize("BeadOnWire", at={"gravity.y": 0.0, "bead.fx": 0.0}, equilibrium=True)
+
+
+def test_the_linear_fidelity_is_its_own_linear_model() -> None:
+    at = {"model.fidelity": "linear", "slider.u": 0.3, "pendulum.angle": -0.4}
+    outputs = ["pendulum.tension", "parabola.fx"]
+    here = linearize("ParabolaPendulum", at=at, inputs=["parabola.ax"], outputs=outputs)
+    still = {**at, "slider.u": 0.0, "pendulum.angle": 0.0}
+    rest = linearize("ParabolaPendulum", at=still, inputs=["parabola.ax"])
+    assert pytest.approx(rest.A, rel=1e-15) == here.A
+
+
+def test_files(tmp_path: Path) -> None:
+    model = linearize("BeadOnWire", inputs=["bead.fx"])
+    model.write(tmp_path / "bead.json")
+    model.write(tmp_path / "bead.npz")
+    found = json.loads((tmp_path / "bead.json").read_text())
+    assert np.array(found["A"]) == pytest.approx(model.A, abs=0.0)
+    with np.load(tmp_path / "bead.npz") as arrays:
+        assert arrays["B"] == pytest.approx(model.B, abs=0.0)
+        assert list(arrays["states"]) == list(model.states)
+    with pytest.raises(CurveboundError, match="neither"):
+        model.write(tmp_path / "bead.csv")
+
+
+def test_unknown_names_are_refused() -> None:
+    with pytest.raises(CurveboundError, match=r"no bead\.angel to linearise at.*bead\.angle"):
+        linearize("BeadOnWire", at={"bead.angel": 1.0})
+    with pytest.raises(CurveboundError, match=r"no input wire\.az.*wire\.ax"):
+        linearize("BeadOnWire", inputs=["wire.az"])
