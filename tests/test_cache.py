@@ -232,17 +232,24 @@ def test_what_was_not_used_for_longest_gives_way(monkeypatch: pytest.MonkeyPatch
     assert [entry.is_dir() for entry in entries] == [True, False, True, True]
 
 
-def test_a_truncated_kernel_is_not_packed(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def compiled(folder: Path, sources: object) -> None:
-        (folder / "kernel.so").write_bytes(b"a whole kernel")
+def test_a_truncated_kernel_is_not_packed(
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def compiled(source: Path, target: str) -> Path:
+        made = source.with_suffix(".so")
+        made.write_bytes(b"a whole kernel")
+        return made
 
-    monkeypatch.setattr(kernel, "_compile_into", compiled)
-    monkeypatch.setattr(kernel, "why_not", lambda: "")
-    sources = kernel.runtime()
-    assert kernel.compile_kernel(sources) == {"kernel.so": b"a whole kernel"}
-    (file,) = store.rglob("kernel.so")
+    core = kernel.runtime()
+    monkeypatch.setattr(kernel, "compile_c", compiled)
+    monkeypatch.setattr(kernel, "compiled_directory", lambda: tmp_path)
+    monkeypatch.setattr(kernel, "_c_sources", lambda core, system: tmp_path / "none")
+    (tmp_path / "none").mkdir()
+    monkeypatch.setattr(kernel, "SUFFIXES", {"linux64": ".so"})
+    assert kernel.extension("linux64", core, None) == b"a whole kernel"
+    (file,) = store.rglob("*.so")
     file.write_bytes(b"a whole")
-    assert kernel.compile_kernel(sources) == {"kernel.so": b"a whole kernel"}
+    assert kernel.extension("linux64", core, None) == b"a whole kernel"
 
 
 def test_other_sources_are_another_fmu_in_another_place(

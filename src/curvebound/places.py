@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["fmus_directory", "license_text", "scenarios_directory"]
+__all__ = ["compiled_directory", "fmus_directory", "license_text", "scenarios_directory"]
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -23,6 +23,11 @@ def fmus_directory() -> Path:
 def scenarios_directory() -> Path:
     """Folder of the scenes that come with the package, one Python script each."""
     return _data("scenarios")
+
+
+def compiled_directory() -> Path:
+    """Folder of the compiled kernels that come with an installed package; empty or absent else."""
+    return _PACKAGE / "_compiled"
 
 
 def license_text() -> str:

@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 from pythonfmu.builder import FmuBuilder
 
+from curvebound.compiling.toolchain import compiler
 from curvebound.fmi.binaries import compile_binary, why_not
-from curvebound.fmi.compile import compiler
 from curvebound.fmi.folder import names
 
 HERE = Path(__file__).parent
@@ -115,7 +115,7 @@ def compile_c(source: Path, target: Path, *flags: str) -> Path:
         pytest.skip("no C compiler on Linux here")
     done = subprocess.run(
         [
-            command,
+            *command,
             "-std=c11",
             "-Wall",
             "-Wextra",

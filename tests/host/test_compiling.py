@@ -35,7 +35,7 @@ def test_the_same_bytes_each_time_and_nothing_left_behind(fresh_cache, tmp_path)
 
 def test_no_compiler_no_library(fresh_cache, monkeypatch):
     compiled_or_skip()
-    monkeypatch.setattr(binaries, "compiler", lambda: None)
+    monkeypatch.setattr(binaries, "compiler_for", lambda target: None)
     assert binaries.compile_binary() is None
     assert binaries.why_not() == "no C compiler for linux64 found"
 
@@ -45,7 +45,7 @@ def test_a_compiler_that_fails_is_a_reason_and_not_an_error(fresh_cache, monkeyp
     broken = tmp_path / "cc"
     broken.write_text('#!/bin/sh\n[ "$1" = --version ] || { echo out of order >&2; exit 1; }\n')
     broken.chmod(0o755)
-    monkeypatch.setattr(binaries, "compiler", lambda: str(broken))
+    monkeypatch.setattr(binaries, "compiler_for", lambda target: [str(broken)])
     monkeypatch.setenv("CURVEBOUND_CACHE", str(fresh_cache.with_name("other")))
     assert binaries.compile_binary() is None
     assert "out of order" in binaries.why_not()

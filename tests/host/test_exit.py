@@ -62,7 +62,7 @@ def test_a_python_process_ends_cleanly(bead: Unpacked, poison: Path) -> None:
 def test_one_with_pythonfmus_binary_ends_cleanly(
     poison: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(binaries, "compiler", lambda: None)
+    monkeypatch.setattr(binaries, "compiler_for", lambda target: None)
     run_python(unpacked(build("BeadOnWire", tmp_path).path, tmp_path / "bead"), poison)
 
 

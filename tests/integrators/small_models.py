@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import math
 
-from curvebound.integrators.base import DONE, Method
-from curvebound.models.base import Jacobian, Model
+from curvebound.kernel.base import Model, acceleration_of
+from curvebound.kernel.method import DONE, Method
+
+
+def set_jacobian(model: Model, values: tuple[float, ...]) -> None:
+    """Set the result of jacobian(): by (q0, q1) of a0, of a1, then likewise by (v0, v1)."""
+    model.a0_q0, model.a0_q1, model.a1_q0, model.a1_q1 = values[:4]
+    model.a0_v0, model.a0_v1, model.a1_v0, model.a1_v1 = values[4:]
 
 
 class Oscillator(Model):
@@ -30,10 +36,11 @@ class Oscillator(Model):
         self.is_linear = True
         self.start_energy = self.energy()
 
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
-        return -self.k0 * q0 - self.d * v0 + self.f, -self.k1 * q1 - self.d * v1 + self.f
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        self.a0, self.a1 = (
+            -self.k0 * q0 - self.d * v0 + self.f,
+            -self.k1 * q1 - self.d * v1 + self.f,
+        )
 
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
@@ -42,8 +49,8 @@ class Oscillator(Model):
         force1 = self.f - self.d * v1 - self.outer * q1
         return force0 * v0 + force1 * v1
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
-        return -self.k0, 0.0, 0.0, -self.k1, -self.d, 0.0, 0.0, -self.d
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        set_jacobian(self, (-self.k0, 0.0, 0.0, -self.k1, -self.d, 0.0, 0.0, -self.d))
 
     def linear_system(self) -> list[list[float]]:
         return [
@@ -103,13 +110,11 @@ class Pendulum(Model):
         super().__init__()
         self.q0 = math.pi / 2
 
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
-        return -9.81 * math.sin(q0), 0.0
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        self.a0, self.a1 = -9.81 * math.sin(q0), 0.0
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
-        return -9.81 * math.cos(q0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        set_jacobian(self, (-9.81 * math.cos(q0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     def energy(self) -> float:
         return 0.5 * self.v0 * self.v0 - 9.81 * math.cos(self.q0)
@@ -132,28 +137,26 @@ class Sliding(Model):
         super().__init__()
         self.q0 = self.q1 = 0.5
 
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         s = math.sin(q1)
         c = math.cos(q1)
         w = c + q0 * s
         k = s - q0 * c
         g = 9.81 + v0 * v0
         d = 1.0 + q0 * q0 + k * k
-        return (-q0 * g + k * (g * c + v1 * v1)) / d, -k * (2.0 * g + w * v1 * v1) / d
+        self.a0, self.a1 = (-q0 * g + k * (g * c + v1 * v1)) / d, -k * (2.0 * g + w * v1 * v1) / d
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         """Central differences: good to 1e-9, enough for fast convergence."""
         x = (q0, q1, v0, v1)
         columns = []
         for i in range(4):
             e = [1e-5 if j == i else 0.0 for j in range(4)]
-            up = self.acceleration(t, *(y + z for y, z in zip(x, e, strict=True)))
-            down = self.acceleration(t, *(y - z for y, z in zip(x, e, strict=True)))
+            up = acceleration_of(self, t, *(y + z for y, z in zip(x, e, strict=True)))
+            down = acceleration_of(self, t, *(y - z for y, z in zip(x, e, strict=True)))
             columns.append([(y - z) / 2e-5 for y, z in zip(up, down, strict=True)])
         (a, c), (b, d), (e0, g), (f, h) = columns
-        return a, b, c, d, e0, f, g, h
+        set_jacobian(self, (a, b, c, d, e0, f, g, h))
 
     def energy(self) -> float:
         u, th, du, dth = self.q0, self.q1, self.v0, self.v1

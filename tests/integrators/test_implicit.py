@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from small_models import Oscillator, Pendulum, Sliding, march
+from small_models import Oscillator, Pendulum, Sliding, march, set_jacobian
 
-from curvebound.integrators import create, implicit
-from curvebound.integrators.base import DONE, NOT_CONVERGED, TOO_MANY_STEPS
-from curvebound.models.base import Jacobian
+from curvebound.kernel import implicit
+from curvebound.kernel.method import DONE, NOT_CONVERGED, TOO_MANY_STEPS
+from curvebound.kernel.methods import create
 
 
 def test_constants() -> None:
@@ -138,13 +138,11 @@ class Torn(Pendulum):
         super().__init__()
         self.q0 = 0.5
 
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
-        return (-1e9 if q0 >= 0.5 else 1e9), 0.0
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        self.a0, self.a1 = (-1e9 if q0 >= 0.5 else 1e9), 0.0
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
-        return (0.0,) * 8
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        set_jacobian(self, ((0.0,) * 8))
 
 
 def test_what_does_not_converge_is_reported() -> None:
@@ -161,10 +159,8 @@ def test_memory_survives_a_failure() -> None:
     class Tearing(Torn):
         """Torn once it has passed 0.75."""
 
-        def acceleration(
-            self, t: float, q0: float, q1: float, v0: float, v1: float
-        ) -> tuple[float, float]:
-            return (0.0 if q0 < 0.75 else -1e15), 0.0
+        def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+            self.a0, self.a1 = (0.0 if q0 < 0.75 else -1e15), 0.0
 
     method, model = create(5), Tearing()
     model.v0 = 1.0
@@ -183,13 +179,11 @@ def test_halved_steps_count_towards_the_limit() -> None:
 
 def test_a_domain_error_of_an_iterate_is_a_failed_iteration() -> None:
     class Walled(Pendulum):
-        def acceleration(
-            self, t: float, q0: float, q1: float, v0: float, v1: float
-        ) -> tuple[float, float]:
-            return -math.sqrt(10.0 + q0), 0.0
+        def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+            self.a0, self.a1 = -math.sqrt(10.0 + q0), 0.0
 
-        def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
-            return -0.5 / math.sqrt(10.0 + q0), *(0.0,) * 7
+        def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+            set_jacobian(self, (-0.5 / math.sqrt(10.0 + q0), *(0.0,) * 7))
 
     model = Walled()
     assert create(5).advance(model, 1.0, 1, 1e-6, 1_000_000) == DONE

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from curvebound.integrators import lobatto, polynomial
+from curvebound.kernel import lobatto, polynomial
 
 NODES = np.array([0.0, *(getattr(polynomial, f"C{i}") for i in range(1, 7)), 1.0])
 

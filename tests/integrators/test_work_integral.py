@@ -8,7 +8,7 @@ import math
 import pytest
 from small_models import Oscillator, march
 
-from curvebound.integrators import METHODS, create
+from curvebound.kernel.methods import METHODS, create
 
 CASES = {
     "explicit_euler": (1, (4_000, 8_000, 16_000)),

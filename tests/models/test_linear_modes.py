@@ -8,8 +8,8 @@ from typing import Any
 import mpmath as mp
 import pytest
 
-from curvebound.integrators import create
-from curvebound.integrators.base import DONE
+from curvebound.kernel.method import DONE
+from curvebound.kernel.methods import create
 from curvebound.models.parabola_pendulum import parabola_pendulum
 
 LINEAR = {"model.fidelity": 1}

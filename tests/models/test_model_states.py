@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from curvebound.integrators.rk4 import RK4
+from curvebound.kernel.rk4 import RK4
 from curvebound.models.bead_on_wire import bead_on_wire
 from curvebound.models.parabola_pendulum import parabola_pendulum
 

@@ -9,8 +9,8 @@ from typing import Any
 import mpmath
 import pytest
 
-from curvebound.integrators.rk4 import RK4
-from curvebound.models.angles import TURN, TURN_REST, reduce_angle, unwind
+from curvebound.kernel.angles import TURN, TURN_REST, reduce_angle, unwind
+from curvebound.kernel.rk4 import RK4
 from curvebound.models.bead_on_wire import bead_on_wire
 from curvebound.models.parabola_pendulum import parabola_pendulum
 

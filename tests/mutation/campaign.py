@@ -35,7 +35,7 @@ SRC = "src/curvebound"
 #: room -> patterns of its files
 ROOMS = {
     "models": (f"{SRC}/models/*.py", f"{SRC}/kernel/*.py", "fmus/**/*.py"),
-    "integrators": (f"{SRC}/integrators/*.py", f"{SRC}/kernel/methods/*.py"),
+    "integrators": (f"{SRC}/kernel/*.py",),
     "mechanics": (f"{SRC}/mechanics/**/*.py",),
     "fmi": (f"{SRC}/fmi/**/*.py",),
     "native": (f"{SRC}/fmi/**/*.c",),

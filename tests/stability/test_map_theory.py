@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from curvebound.integrators import METHODS, create
+from curvebound.kernel.methods import METHODS, create
 from curvebound.models.parabola_pendulum import parabola_pendulum
 from curvebound.study.stability.motion import Motion
 from curvebound.study.stability.ranges import sampled

@@ -1,4 +1,4 @@
-"""Section kernel: one RK4 step of each model, in C, compiled by mypyc and interpreted."""
+"""Section kernel: one RK4 step of each model, in C, compiled and interpreted."""
 
 from __future__ import annotations
 

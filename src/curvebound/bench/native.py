@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 
 from .. import cache
+from ..compiling.toolchain import compiler_parts
 from ..errors import CurveboundError
-from ..fmi.compile import compiler_parts
 
 __all__ = [
     "FLAGS",

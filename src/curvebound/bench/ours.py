@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -39,7 +39,7 @@ _STATES = {
 
 def method_items() -> dict[str, int]:
     """Names of the integration methods and their item numbers."""
-    from ..integrators import METHODS
+    from ..kernel.methods import METHODS
 
     return {name: item for item, name in enumerate(METHODS, start=1)}
 
@@ -58,35 +58,50 @@ def defaults(name: str) -> tuple[dict[str, float], dict[str, int]]:
 
 @dataclass
 class Kernel:
-    """The kernel in one of its forms; `package` is the name under which it is imported."""
+    """The kernel in one of its forms: its methods, and by FMU what picks a model by the choices."""
 
-    package: str
+    create: Callable[[int], Any]
+    factories: dict[str, Callable[[dict[str, int]], Any]]
 
     def system(self, name: str, values: Mapping[str, float]) -> Any:
         """A model of the FMU `name` at its default parameters but for `values`, started."""
-        module, function = _FACTORIES[name]
         reals, choices = defaults(name)
         reals.update({key: value for key, value in values.items() if key in reals})
         choices.update({key: int(value) for key, value in values.items() if key in choices})
-        model = getattr(importlib.import_module(f"{self.package}.{module}"), function)(choices)
+        model = self.factories[name](choices)
         model.start(reals, choices)
         return model
 
     def method(self, item: int) -> Any:
         """A new method of integration."""
-        return importlib.import_module(f"{self.package}.integrators").create(item)
+        return self.create(item)
 
 
 def interpreted_kernel() -> Kernel:
     """The kernel as Python runs it."""
-    return Kernel(__name__.rpartition(".bench.")[0])
+    from ..kernel.methods import create
+
+    root = __name__.rpartition(".bench.")[0]
+    return Kernel(
+        create,
+        {
+            name: getattr(importlib.import_module(f"{root}.{module}"), function)
+            for name, (module, function) in _FACTORIES.items()
+        },
+    )
 
 
 def compiled_kernel() -> Kernel:
-    """The kernel as mypyc compiles it for the FMUs; CurveboundError where it cannot."""
-    from ..fmi.compile import compiled_kernel as load
+    """The kernel as it is compiled for the FMUs; CurveboundError where it cannot."""
+    from ..fmi.compile import load_compiled
+    from ..fmi.folder import find
+    from ..fmi.runtime import runtime, system_sources
 
-    return Kernel(load().__name__)
+    factories = {}
+    for name, (_, function) in _FACTORIES.items():
+        core, system = load_compiled(system_sources(find(name), runtime()))
+        factories[name] = getattr(system, function)
+    return Kernel(core.create, factories)
 
 
 def _ignore(*message: object) -> None:

@@ -6,17 +6,13 @@ cached. The same compiler gives the same bytes.
 
 from __future__ import annotations
 
-import os
-import platform
-import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from .. import cache
-from .compile import compiler, compiler_parts
+from ..compiling.toolchain import compiler_for, compiler_parts
 
 __all__ = ["PLATFORMS", "SOURCES", "Platform", "compile_binary", "compile_sources", "why_not"]
 
@@ -51,24 +47,16 @@ class Platform:
         #: why compiling has failed, or ''
         self.failure = ""
 
-    def command(self) -> list[str]:
-        """The C compiler for this platform and its flags; empty where there is none."""
-        if self.folder == "win64":
-            cross = shutil.which("x86_64-w64-mingw32-gcc")
-            return [cross, *_FLAGS, *_WINDOWS] if cross else []
-        native = sys.platform == self.system and platform.machine() in ("x86_64", "AMD64")
-        own = compiler() if native else None
-        return [own, *_FLAGS, *_LINUX] if own else []
+    def command(self, files: Sequence[str] = ()) -> list[str]:
+        """What compiles `files` for this platform; empty where there is no compiler for it."""
+        flags = _WINDOWS if self.folder == "win64" else _LINUX
+        found = compiler_for(self.folder)
+        return [*found, *_FLAGS, *files, *flags] if found else []
 
     def files(self) -> list[str]:
         """The sources for this platform, relative to native/."""
         other = "_posix.c" if self.folder == "win64" else "_windows.c"
         return [p.name for p in SOURCES if p.suffix == ".c" and not p.name.endswith(other)]
-
-
-def _identity(program: str) -> str:
-    status = os.stat(program)
-    return f"{os.path.realpath(program)} {status.st_size} {status.st_mtime_ns}"
 
 
 PLATFORMS = {
@@ -97,9 +85,7 @@ def compile_binary(name: str = "linux64") -> Path | None:
     try:
         parts = [
             cache.sources(_FOLDER, Path(__file__)),
-            *compiler_parts(),
-            *command,
-            _identity(command[0]),
+            *compiler_parts(command),
         ]
         folder = cache.entry("binaries", parts, lambda to: compile_sources(to / file, name))
     except (OSError, subprocess.CalledProcessError) as error:
@@ -116,11 +102,10 @@ def compile_sources(library: Path, name: str = "linux64", extra: Sequence[str] =
     Raises OSError or subprocess.CalledProcessError, whose stderr holds the compiler's messages.
     """
     target = PLATFORMS[name]
-    compiler_, *flags = target.command()
     library.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".native-", dir=library.parent) as scratch:
         made = Path(scratch) / library.name
-        command = [compiler_, *target.files(), "-o", str(made), *flags, *extra]
+        command = [*target.command(target.files()), "-o", str(made), *extra]
         subprocess.run(command, cwd=_FOLDER, capture_output=True, check=True)
         made.chmod(0o755)
         made.replace(library)

@@ -6,7 +6,6 @@ import contextlib
 import hashlib
 import importlib
 import platform
-import re
 import sys
 import tempfile
 import time
@@ -25,7 +24,7 @@ from .description import timestamp
 from .documentation import documentation_files
 from .drawing import carried
 from .folder import Folder, find
-from .runtime import Runtime, runtime
+from .runtime import runtime, system_sources
 
 __all__ = ["BuiltFmu", "build"]
 
@@ -91,24 +90,25 @@ def build(
     folder = which if isinstance(which, Folder) else find(which)
     name = folder.name
     drawing = carried(folder.drawing())  # first: it says what is wrong in the folder
-    own = folder.sources()
     stated = folder.statement()
     sources = runtime()
+    own = system_sources(folder, sources)
     extensions: dict[str, bytes] = {}
     how = "interpreted (--no-compile)"
     if compiled:
         missing = kernel.why_not()
         how = f"interpreted ({missing})"
         if not missing:
-            extensions = kernel.compile_kernel(sources)
-            how = f"kernel compiled for {sys.implementation.cache_tag}"
+            extensions, platforms = kernel.compile_kernel(sources, own)
+            how = f"kernel compiled for CPython 3.10 and later on {' and '.join(platforms)}"
     natives = {p: binary for p in binaries.PLATFORMS if (binary := binaries.compile_binary(p))}
     wrapped = len(natives) < len(binaries.PLATFORMS)
     package = sources.package(compiled=bool(extensions))
     parts = (_HERE / "description.py", _HERE / "units.py", *binaries.SOURCES)
     described = b"".join(part.read_bytes() for part in parts)
-    content = [sources.digest.encode(), described, drawing]
-    content += [p.encode() + text for p, text in (own | stated).items()]
+    system_text = "\0".join(own.files.values()).encode()
+    content = [sources.digest.encode(), described, drawing, system_text]
+    content += [path.encode() + text for path, text in stated.items()]
     digest = hashlib.sha256(b"\0".join(content)).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     suffix = digest[:12] + ("c" if extensions else "") + "".join(f"_{p}" for p in natives)
@@ -123,14 +123,11 @@ def build(
             own=tuple(binaries.PLATFORMS[place].system for place in natives),
         )
         .encode(),
-        f"{system}/__init__.py": b"",
+        **sources.text(compiled=bool(extensions)),
+        **own.text(package, system, compiled=bool(extensions)),
+        **extensions,
     }
-    for file, source in own.items():
-        texts[f"{system}/{file}"] = re.sub(
-            rb"(?m)^from curvebound\.", f"from {package}.".encode(), source
-        )
-    files = _pack(name, f"{name}_{suffix}", texts, sources, package)
-    files.update({f"resources/{path}": content for path, content in extensions.items()})
+    files = _pack(name, f"{name}_{suffix}", texts)
     _isolate(files, package)
     files["resources/drawing.json"] = drawing
     files.update({f"resources/{path}": text for path, text in stated.items()})
@@ -151,19 +148,21 @@ def build(
     return BuiltFmu(name, path, f"{path}: {how}, {path.stat().st_size // 1024} kB, {seconds:.1f} s")
 
 
-def _pack(
-    name: str, main: str, texts: dict[str, bytes], sources: Runtime, package: str
-) -> dict[str, bytes]:
+def _pack(name: str, main: str, texts: dict[str, bytes]) -> dict[str, bytes]:
     """Let PythonFMU pack the FMU; returns its files."""
-    with tempfile.TemporaryDirectory(prefix="curvebound-build-") as scratch:
+    # on Windows, what was imported from there cannot be removed
+    with tempfile.TemporaryDirectory(
+        prefix="curvebound-build-", ignore_cleanup_errors=True
+    ) as scratch:
         stage = Path(scratch) / "stage"
         stage.mkdir()
         for file, content in texts.items():
-            (stage / file).parent.mkdir(exist_ok=True)
+            (stage / file).parent.mkdir(parents=True, exist_ok=True)
             (stage / file).write_bytes(content)
-        sources.write(stage, package)
         others = [path for path in stage.iterdir() if path.name != f"{main}.py"]
-        with _own_modules(package, *(Path(file).parts[0].removesuffix(".py") for file in texts)):
+        # not the extension modules, which can be loaded once only
+        own = {Path(file).parts[0].removesuffix(".py") for file in texts if file.endswith(".py")}
+        with _own_modules(*own):
             target = FmuBuilder.build_FMU(
                 stage / f"{main}.py", dest=Path(scratch) / f"{name}.fmu", project_files=others
             )

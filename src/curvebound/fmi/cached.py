@@ -14,7 +14,7 @@ from .binaries import PLATFORMS, compile_binary
 from .build import build
 from .description import timestamp
 from .folder import Folder
-from .runtime import runtime
+from .runtime import runtime, system_sources
 
 __all__ = ["cached_fmu"]
 
@@ -26,9 +26,11 @@ def cached_fmu(folder: Folder) -> Path:
 
     Raises CurveboundError for a mistake in the system or a failing compiler.
     """
-    own = [(name, binary) for name in PLATFORMS if (binary := compile_binary(name))]
-    extensions = {} if kernel.why_not() else kernel.compile_kernel(runtime())
-    binaries = [*sorted(extensions.items()), *((name, path.read_bytes()) for name, path in own)]
+    natives = [(name, binary) for name in PLATFORMS if (binary := compile_binary(name))]
+    core = runtime()
+    own = system_sources(folder, core)
+    extensions = {} if kernel.why_not() else kernel.compile_kernel(core, own).files
+    binaries = [*sorted(extensions.items()), *((name, path.read_bytes()) for name, path in natives)]
     parts = [
         cache.sources(_PACKAGE, folder.path),
         *(f"{path} {hashlib.sha256(content).hexdigest()}" for path, content in binaries),

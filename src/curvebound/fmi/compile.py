@@ -1,148 +1,135 @@
-"""Compiling the kernel with mypyc; what was compiled is kept in the cache."""
+"""The compiled kernel of an FMU: it came with the package, is in the cache, or is compiled."""
 
 from __future__ import annotations
 
 import importlib
-import os
 import shutil
-import subprocess
 import sys
-import sysconfig
 import tempfile
-from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
 from .. import cache
+from ..compiling.extension import FLAGS, SUFFIXES, compile_c, cython_version, headers, write_c
+from ..compiling.toolchain import HERE, PLATFORMS, compiler_for, compiler_parts
+from ..compiling.translate import translate
 from ..errors import CurveboundError
-from .runtime import Runtime, runtime
+from ..places import compiled_directory
+from .runtime import Runtime, SystemSources, runtime
 
-__all__ = ["compile_kernel", "compiled_kernel", "compiler", "compiler_parts", "why_not"]
+__all__ = ["Compiled", "compile_kernel", "extension", "load_compiled", "why_not"]
 
-# -ffp-contract=off: a fused multiply-add would give other bits than the interpreter
-_FLAGS = "-O2 -g0 -ffp-contract=off -fno-semantic-interposition -w"
-
-#: variables that C compilers, and setuptools for them, heed
-_HEEDED = (
-    *("CC", "CPPFLAGS", "LDFLAGS", "LDSHARED", "ARCHFLAGS", "MACOSX_DEPLOYMENT_TARGET"),
-    *("CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "GCC_EXEC_PREFIX", "COMPILER_PATH"),
-)
-
-_SCRIPT = """
-import sys
-from mypyc.build import mypycify
-from setuptools import setup
-name, *files = sys.argv[1:]
-setup(
-    name=name,
-    ext_modules=mypycify(files, opt_level="2", debug_level="0", group_name=name),
-    script_args=["build_ext", "--inplace"],
-)
-"""
+#: what Python calls of the compiled kernel: class -> attributes and methods, "" -> functions
+_VISIBLE = {
+    "": ("create",),
+    "Message": ("status", "category", "msg", "debug"),
+    "Model": ("q0", "q1", "v0", "v1", "start", "set_inputs", "get_state", "set_state"),
+    "Method": ("steps", "evaluations", "advance", "reset", "get_state", "set_state"),
+    "Engine": (
+        *("queue", "do_step", "get_real", "set_real", "get_integer", "set_integer"),
+        *("setup_experiment", "enter_initialization", "exit_initialization", "terminate", "reset"),
+        *("get_state", "set_state", "say", "unknown", "dependencies"),
+    ),
+    "System": ("create",),
+}
 
 
-def compiler() -> str | None:
-    """Path of the C compiler, or None."""
-    command = os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc"
-    for candidate in (command.split()[0], "cc", "gcc", "clang"):
-        found = shutil.which(candidate)
-        if found:
-            return found
-    return None
+class Compiled(NamedTuple):
+    """The extension modules of an FMU."""
+
+    #: path below the FMU's resources -> content
+    files: dict[str, bytes]
+    #: the platforms that have all of them
+    platforms: tuple[str, ...]
 
 
-def why_not() -> str:
-    """Why the kernel cannot be compiled here, or ''."""
-    if compiler() is None:
-        return "no C compiler found"
-    header = Path(sysconfig.get_path("include")) / "Python.h"
-    if not header.is_file():
-        return f"no {header}"
+def why_not(target: str = HERE) -> str:
+    """Why nothing can be compiled for `target`, one of PLATFORMS, or ''."""
+    if not target:
+        return f"this is none of {', '.join(PLATFORMS)}"
+    if (compiled_directory() / f"{runtime().extension}{SUFFIXES[target]}").is_file():
+        return ""
+    if compiler_for(target) is None:
+        return "no C compiler found" if target == HERE else f"no C compiler for {target}"
+    if not cython_version():
+        return "no Cython, which curvebound[compiler] brings"
+    if headers() is None:
+        return "no Python.h"
     return ""
 
 
-def compiler_parts() -> list[str]:
-    """What the files that the C compiler makes depend on besides their sources and its flags."""
-    found = compiler()
-    parts = [sys.version, sysconfig.get_platform(), str(found)]
-    if found is not None:
-        status = os.stat(found)
-        parts.append(f"{os.path.realpath(found)} {status.st_size} {status.st_mtime_ns}")
-    return parts + [f"{name}={os.environ.get(name)}" for name in _HEEDED]
+def compile_kernel(core: Runtime, system: SystemSources) -> Compiled:
+    """Compile what an FMU runs, for all platforms for which that can be done here.
 
-
-def compile_kernel(sources: Runtime) -> dict[str, bytes]:
-    """The extension modules, path relative to the FMU's resources -> content.
-
-    Raises CurveboundError where there is no compiler or it fails.
+    Raises CurveboundError where a compiler fails, or there is none for this machine.
     """
-    missing = why_not()
-    if missing:
+    files: dict[str, bytes] = {}
+    platforms = []
+    for target in PLATFORMS:
+        if why_not(target):
+            continue
+        for name, unit in ((core.extension, None), (system.extension, system)):
+            files[f"{name}{SUFFIXES[target]}"] = extension(target, core, unit)
+        platforms.append(target)
+    if HERE not in platforms:
         raise CurveboundError(
-            f"the kernel cannot be compiled: {missing}; install a C compiler and Python's headers, "
-            "or build with --no-compile"
+            f"the kernel cannot be compiled: {why_not()}; install a C compiler and Cython "
+            "(pip install curvebound[compiler] brings both), or build with --no-compile"
         )
-    parts = [
-        sources.package(compiled=True),
-        cache.sources(Path(__file__)),
-        *(version(name) for name in ("mypy", "setuptools")),
-        *compiler_parts(),
-    ]
-    folder = cache.entry("kernels", parts, lambda to: _compile_into(to, sources))
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.suffix in (".so", ".pyd")
-    }
+    return Compiled(files, tuple(platforms))
 
 
-def _compile_into(folder: Path, sources: Runtime) -> None:
-    """Compile, and leave the extension modules in `folder`."""
-    name = sources.package(compiled=True)
-    with tempfile.TemporaryDirectory(prefix="curvebound-compile-") as place:
-        scratch = Path(place)
-        sources.write(scratch, name)
-        # The package's own __init__ imports the slave, which is neither compiled nor checked here.
-        (scratch / name / "__init__.py").write_bytes(b"")
-        environment = {**os.environ, "CFLAGS": _FLAGS, "SOURCE_DATE_EPOCH": "0"}
-        environment.pop("PYTHONPATH", None)
-        done = subprocess.run(
-            [sys.executable, "-c", _SCRIPT, name, *(f"{name}/{file}" for file in sources.compiled)],
-            cwd=scratch,
-            env=environment,
-            capture_output=True,
-            text=True,
-        )
-        if done.returncode:
-            tail = "\n".join((done.stdout + done.stderr).splitlines()[-15:])
-            raise CurveboundError(
-                f"compiling the kernel failed (exit status {done.returncode}); "
-                f"build with --no-compile, or mend the compiler:\n{tail}"
-            )
-        for path in scratch.rglob("*"):
-            relative = path.relative_to(scratch)
-            if path.suffix in (".so", ".pyd") and relative.parts[0] != "build":
-                target = folder / relative
-                target.parent.mkdir(parents=True, exist_ok=True)
-                shutil.move(path, target)
+def extension(target: str, core: Runtime, system: SystemSources | None) -> bytes:
+    """The extension module of the core, or of a system, for a platform."""
+    name = system.extension if system else core.extension
+    file = f"{name}{SUFFIXES[target]}"
+    ready = compiled_directory() / file
+    if ready.is_file():
+        return ready.read_bytes()
+
+    def make(folder: Path) -> None:
+        for source in _c_sources(core, system).iterdir():
+            shutil.copy(source, folder)
+        made = compile_c(folder / f"{name}.c", target)
+        for path in folder.iterdir():
+            if path != made:
+                path.unlink()
+
+    tools = [cython_version(), *FLAGS, *compiler_parts(compiler_for(target))]
+    parts = [name, target, sys.version, *tools]
+    return (cache.entry("kernels", parts, make) / file).read_bytes()
 
 
-def compiled_kernel() -> ModuleType:
-    """The compiled package itself, importable beside the interpreted one (benchmarks, tests)."""
-    sources = runtime()
-    name = sources.package(compiled=True)
-    if name not in sys.modules:
-        folder = Path(tempfile.mkdtemp(prefix="curvebound-"))
-        sources.write(folder, name)
-        for file, content in compile_kernel(sources).items():
-            path = folder / file
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
-        sys.path.insert(0, str(folder))
-        try:
-            importlib.invalidate_caches()
-            importlib.import_module(name)
-        finally:
-            sys.path.remove(str(folder))
-            shutil.rmtree(folder, ignore_errors=True)
-    return sys.modules[name]
+def _c_sources(core: Runtime, system: SystemSources | None) -> Path:
+    """The folder with the C source of the core or of a system."""
+
+    def make(folder: Path) -> None:
+        unit = core_unit = translate(core.extension, core.kernel, None, _VISIBLE)
+        if system is not None:
+            unit = translate(system.extension, system.kernel, core_unit)
+        made = write_c(unit, folder, core_unit)
+        for path in folder.iterdir():
+            if path != made:
+                path.unlink()
+
+    name = system.extension if system else core.extension
+    return cache.entry("kernel-sources", [name, cython_version()], make)
+
+
+def load_compiled(system: SystemSources) -> tuple[ModuleType, ModuleType]:
+    """The compiled core and system, importable beside the interpreted ones (benchmarks, tests)."""
+    core = runtime()
+    names = (core.extension, system.extension)
+    if not all(name in sys.modules for name in names):
+        with tempfile.TemporaryDirectory(prefix="curvebound-") as folder:
+            for file, content in compile_kernel(core, system).files.items():
+                (Path(folder) / file).write_bytes(content)
+            sys.path.insert(0, folder)
+            try:
+                importlib.invalidate_caches()
+                for name in names:
+                    importlib.import_module(name)
+            finally:
+                sys.path.remove(folder)
+    return sys.modules[names[0]], sys.modules[names[1]]

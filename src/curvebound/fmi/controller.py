@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..models.base import Law
+from ..kernel.law import Law
 from .engine import Engine, System
 from .table import WARNING, Table
 
@@ -24,7 +24,7 @@ class ControllerEngine(Engine):
         self.said_late: bool = False
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
-        law = self.factory()
+        law: Law = self.factory()
         law.start(reals, choices, self.time)
         self.law = law
         self.grouped(law.OUTPUTS, law.FEEDTHROUGH)

@@ -256,9 +256,9 @@ class Engine:
     def outside_domain(self, vr: int) -> str:
         """The message for a parameter outside its domain, or ''."""
         table = self.table
-        kind = table.kinds[vr]
+        kind: int = table.kinds[vr]
         if kind == CHOICE:
-            number = self.integers[vr]
+            number: int = self.integers[vr]
             items = table.items[vr]
             if number < 1 or number > len(items):
                 listed = ", ".join([f"{i + 1} {item}" for i, item in enumerate(items)])
@@ -268,10 +268,10 @@ class Engine:
             if self.integers[vr] < table.minima[vr]:
                 return f"{self.value(vr)} is too small: set it to at least {int(table.minima[vr])}"
             return ""
-        x = self.reals[vr]
+        x: float = self.reals[vr]
         if not math.isfinite(x):
             return f"{self.value(vr)} is not finite: set {table.names[vr]} to a finite number"
-        least = table.minima[vr]
+        least: float = table.minima[vr]
         if x < least or (table.above[vr] and x <= least):
             wanted = "above" if table.above[vr] else "not below"
             bound = "zero" if least == 0.0 else repr(least)
@@ -306,8 +306,9 @@ class Engine:
         fresh = self.fresh
         size = len(groups)
         values: list[float] = []
+        vr: int
         for vr in vrs:
-            group = groups[vr] if 0 <= vr < size else NOT_REAL
+            group: int = groups[vr] if 0 <= vr < size else NOT_REAL
             if group >= 0:
                 if not fresh >> group & 1:
                     self.refresh(group)
@@ -330,8 +331,9 @@ class Engine:
         if self.pending and not self.bad_value():
             self.take_inputs()
             self.pending = False
-        members = self.layout.members[group]
+        members: list[int] = self.layout.members[group]
         reals = self.reals
+        vr: int
         try:
             if group == self.layout.counts:
                 for vr in members:
@@ -341,7 +343,7 @@ class Engine:
         except (ZeroDivisionError, OverflowError, ValueError):
             reals[members[0]] = math.inf
         for vr in members:
-            x = reals[vr]
+            x: float = reals[vr]
             if not -OVERFLOW <= x <= OVERFLOW:
                 reals[vr] = -OVERFLOW if x < 0.0 else OVERFLOW
                 self.fail(
@@ -364,7 +366,7 @@ class Engine:
         kinds = table.kinds
         self.fresh &= ~self.feedthrough
         for i in range(len(vrs)):
-            vr = vrs[i]
+            vr: int = vrs[i]
             if vr < 0 or vr >= table.size or not table.is_real(vr):
                 self.unknown(vr, "Real")
                 continue
@@ -412,6 +414,7 @@ class Engine:
     def get_integer(self, vrs: list[int]) -> list[int]:
         """Values of Integer and enumeration variables."""
         values: list[int] = []
+        vr: int
         for vr in vrs:
             if vr < 0 or vr >= self.table.size or self.table.is_real(vr):
                 self.unknown(vr, "Integer")
@@ -423,7 +426,7 @@ class Engine:
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
         """Set Integer and enumeration parameters."""
         for i in range(len(vrs)):
-            vr = vrs[i]
+            vr: int = vrs[i]
             if vr < 0 or vr >= self.table.size or self.table.is_real(vr):
                 self.unknown(vr, "Integer")
             elif self.may_set(vr):

@@ -104,15 +104,19 @@ class Folder:
         paths = [self.path / name for name in ("mechanics.py", "reference.py")]
         return {path.name: path.read_bytes() for path in paths if path.is_file()}
 
-    def sources(self) -> dict[str, bytes]:
-        """The modules that travel in the FMU: fmu.py and what it imports from the folder."""
-        found: dict[str, bytes] = {}
+    def sources(self) -> dict[str, str]:
+        """The modules that travel in the FMU: fmu.py and what it imports from the folder.
+
+        Module, as it is imported here -> text.
+        """
+        package = self._package()
+        found: dict[str, str] = {}
         waiting = ["fmu"]
         while waiting:
             name = waiting.pop()
             path = self.path / f"{name}.py"
-            if path.name not in found:
-                found[path.name] = path.read_bytes()
+            if f"{package}.{name}" not in found:
+                found[f"{package}.{name}"] = path.read_text(encoding="utf-8")
                 waiting += sorted(_siblings(path))
         return dict(sorted(found.items()))
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from ..integrators import METHODS, create
-from ..integrators.base import (
+from ..kernel.base import Model
+from ..kernel.method import (
     DONE,
     NOT_CONVERGED,
     NOT_FINITE,
@@ -15,7 +15,7 @@ from ..integrators.base import (
     TOO_MANY_STEPS,
     Method,
 )
-from ..models.base import Model
+from ..kernel.methods import METHODS, create
 from .engine import Engine, System
 from .table import EPSILON, LARGEST, WARNING, Table
 from .watch import ENERGY_FRACTION
@@ -63,7 +63,7 @@ class PlantEngine(Engine):
         super().__init__(table, guid)
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
-        model = self.factory(choices)
+        model: Model = self.factory(choices)
         item = choices["solver.method"]
         if item == _EXACT and not model.is_linear:
             return (

@@ -1,78 +1,187 @@
-"""The part of the package that travels inside an FMU, and its content hash.
+"""The sources that travel inside an FMU, and the names that tell their content.
 
-Inside an FMU the package bears a name that carries the hash, because Python modules are shared by
-the whole process: equal names must mean equal code.
+Python modules are shared by the whole process: equal names must mean equal code. So the package
+that all FMUs carry, that of an FMU's own system, and the extension modules compiled from both bear
+hashes of what they are made of.
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["Runtime", "runtime"]
+from ..compiling.translate import absolute
+from .folder import Folder
+
+__all__ = ["Runtime", "SystemSources", "runtime", "system_sources"]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
+_ROOT = "curvebound"
 
 #: what runs interpreted in any case: touched once per instance
 _INTERPRETED = (
-    "models/__init__.py",
-    "integrators/__init__.py",
+    "kernel/__init__.py",
     "fmi/__init__.py",
     "fmi/common.py",
     "fmi/declaration.py",
+    "fmi/loading.py",
     "fmi/ranges.py",
     "fmi/slave.py",
     "fmi/wrapped.py",
 )
+_OTHERS = ("common", "declaration", "slave", "wrapped")
+_FACES = ("controller", "engine", "plant", "table", "watch")
+#: decides, with the sources, what is compiled from them
+_TRANSLATOR = ("c_functions", "extension", "rewrite", "translate")
 
 
 class Runtime(NamedTuple):
-    """One reading of the sources: path inside the package -> content."""
+    """One reading of the sources that all FMUs carry."""
 
+    #: path inside the package -> content
     files: dict[str, bytes]
-    #: what mypyc compiles
-    compiled: tuple[str, ...]
-    #: twelve hexadecimal digits that change with any line an FMU carries
+    #: what is compiled: module -> text
+    kernel: dict[str, str]
+    #: twelve hexadecimal digits that change with any line
     digest: str
+    #: name of the extension module
+    extension: str
 
     def package(self, *, compiled: bool) -> str:
         """Name of the package inside an FMU; compiled and interpreted ones do not share modules."""
-        return f"curvebound_{self.digest}{'c' if compiled else ''}"
+        return f"{_ROOT}_{self.digest}{'c' if compiled else ''}"
 
-    def write(self, folder: Path, package: str) -> None:
-        """Write the sources to `folder` as the package called `package`."""
-        for file, content in self.files.items():
-            path = folder / package / file
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
+    def text(self, *, compiled: bool) -> dict[str, bytes]:
+        """The package: path below the FMU's resources -> content."""
+        package = self.package(compiled=compiled)
+        files = {f"{package}/{path}": content for path, content in self.files.items()}
+        names = [name.replace(_ROOT, package, 1) for name in self.kernel]
+        files[f"{package}/__init__.py"] = _init(
+            self.extension if compiled else "",
+            [
+                *names,
+                *(
+                    f"{package}.fmi.{name}"
+                    for name in ("common", "declaration", "slave", "wrapped")
+                ),
+            ],
+            names,
+        )
+        return files
+
+
+class SystemSources(NamedTuple):
+    """One reading of the modules of a system's folder that travel in its FMU."""
+
+    #: fmu.py and what it imports: module -> text
+    files: dict[str, str]
+    #: what is compiled of them
+    kernel: dict[str, str]
+    #: name of the extension module
+    extension: str
+
+    def text(self, package: str, system: str, *, compiled: bool) -> dict[str, bytes]:
+        """The package `system` in an FMU whose package for all systems is `package`.
+
+        Path below the FMU's resources -> content.
+        """
+        places = {name: f"{system}.{name.rpartition('.')[2]}" for name in self.files}
+        names = [places[name] for name in self.kernel]
+        return {
+            f"{system}/__init__.py": _init(
+                self.extension if compiled else "", [*places.values()], names, package
+            ),
+            **{
+                f"{place.replace('.', '/')}.py": _moved(text, name, {**places, _ROOT: package})
+                for (name, place), text in zip(places.items(), self.files.values(), strict=True)
+            },
+        }
+
+
+def _moved(text: str, module: str, places: Mapping[str, str]) -> bytes:
+    """The text of a module that imports from `places`, by module or package, what it does now."""
+    lines = text.splitlines(keepends=True)
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.ImportFrom):
+            source = absolute(module, node)
+            root, dot, rest = source.partition(".")
+            target = places.get(source) or (f"{places[root]}{dot}{rest}" if root in places else "")
+            if target:
+                line = lines[node.lineno - 1]
+                lines[node.lineno - 1] = f"from {target} import{line.partition(' import')[2]}"
+    return "".join(lines).encode()
 
 
 def runtime() -> Runtime:
-    """Read the sources that travel inside an FMU."""
-    kernel = [
-        path.relative_to(_PACKAGE).as_posix()
-        for folder in ("models", "integrators")
-        for path in (_PACKAGE / folder).glob("*.py")
-        if path.name != "__init__.py"
-    ]
-    faces = ("controller", "engine", "plant", "table", "watch")
-    compiled = (*sorted(kernel), *(f"fmi/{face}.py" for face in faces))
+    """Read the sources that all FMUs carry."""
+    kernel = sorted(p.stem for p in (_PACKAGE / "kernel").glob("*.py") if p.stem != "__init__")
+    compiled = [*(f"kernel/{name}.py" for name in kernel), *(f"fmi/{name}.py" for name in _FACES)]
     files = {name: (_PACKAGE / name).read_bytes() for name in (*compiled, *_INTERPRETED)}
-    files["__init__.py"] = _init(compiled).encode()
-    digest = hashlib.sha256(version("pythonfmu").encode())
-    for name, content in sorted(files.items()):
-        digest.update(name.encode() + b"\0" + content + b"\0")
-    return Runtime(files, compiled, digest.hexdigest()[:12])
+    modules = {f"{_ROOT}.{name[:-3].replace('/', '.')}": files[name].decode() for name in compiled}
+    translator = [(_PACKAGE / "compiling" / f"{name}.py").read_bytes() for name in _TRANSLATOR]
+    digest = _digest(version("pythonfmu").encode(), *translator, **files)
+    extension = f"{_ROOT}_core_{_digest(*translator, **modules)}"
+    return Runtime(files, modules, digest, extension)
 
 
-def _init(compiled: tuple[str, ...]) -> str:
-    """The package's __init__ inside an FMU.
+def system_sources(folder: Folder, core: Runtime) -> SystemSources:
+    """Read what an FMU carries of a system's folder."""
+    files = folder.sources()
+    for name, text in list(files.items()):
+        _add_models(files, name, text)
+    kernel = {name: text for name, text in files.items() if name.rpartition(".")[2] != "fmu"}
+    stems = {name.rpartition(".")[2]: text for name, text in kernel.items()}
+    return SystemSources(
+        files, kernel, f"{folder.name}_kernel_{_digest(core.extension.encode(), **stems)}"
+    )
+
+
+def _add_models(files: dict[str, str], module: str, text: str) -> None:
+    """Add the models of curvebound.models that a module imports, and those that these do."""
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.ImportFrom):
+            source = absolute(module, node)
+            if source.startswith(f"{_ROOT}.models.") and source not in files:
+                path = _PACKAGE / "models" / f"{source.rpartition('.')[2]}.py"
+                files[source] = path.read_text(encoding="utf-8")
+                _add_models(files, source, files[source])
+
+
+def _digest(*parts: bytes, **named: bytes | str) -> str:
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(b"%d\0" % len(part) + part)
+    for name, content in sorted(named.items()):
+        data = content.encode() if isinstance(content, str) else content
+        digest.update(name.encode() + b"\0%d\0" % len(data) + data)
+    return digest.hexdigest()[:12]
+
+
+def _init(extension: str, modules: list[str], compiled: list[str], core: str = "") -> bytes:
+    """The __init__ of a package inside an FMU; `core`: the package on which that of a system rests.
 
     It imports everything at once: a second FMU of the same sources uses the first one's modules,
     and must not need a file of it after its folder has been deleted.
     """
-    modules = [name[:-3].replace("/", ".") for name in compiled]
-    lines = [f"from .{module} import __name__ as _" for module in modules]
-    return "\n".join([*lines, "from .fmi import common, declaration, slave, wrapped", ""])
+    if extension and not core:
+        package = compiled[0].partition(".")[0]
+        lines = [
+            f"from {package}.fmi.loading import adopt",
+            f"NOT_COMPILED = adopt({extension!r}, {tuple(compiled)!r})",
+        ]
+    elif extension:
+        # compiled or interpreted, but both alike
+        lines = [
+            f"from {core} import NOT_COMPILED",
+            f"from {core}.fmi.loading import adopt",
+            "if not NOT_COMPILED:",
+            f"    adopt({extension!r}, {tuple(compiled)!r}, required=True)",
+        ]
+    else:
+        lines = ["NOT_COMPILED = 'it was built without compiled code'"]
+    lines += [f"from {module} import __name__ as _" for module in modules]
+    return "\n".join([*lines, ""]).encode()

@@ -98,7 +98,7 @@ class Table:
         return len(self.kinds)
 
     def is_real(self, vr: int) -> bool:
-        kind = self.kinds[vr]
+        kind: int = self.kinds[vr]
         return kind != CHOICE and kind != COUNT_PARAMETER
 
     def type_of(self, vr: int) -> str:
@@ -109,6 +109,7 @@ class Table:
 
     def layout(self, outputs: dict[str, int]) -> Layout:
         """The layout of a system with these outputs, which must be the declared ones."""
+        known: Layout
         for known in self.layouts:
             if known.outputs is outputs:
                 return known
@@ -117,7 +118,8 @@ class Table:
             raise ValueError(
                 f"the outputs are declared as {declared}, but computed as {list(outputs)}"
             )
-        groups = self.layouts[0].groups[:]
+        first: Layout = self.layouts[0]
+        groups = first.groups[:]
         counts = max(outputs.values()) + 1
         members: list[list[int]] = [[] for _ in range(counts)]
         for name, group in outputs.items():

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from .angles import TURN, unwind
-from .base import Jacobian
+from ..kernel.angles import TURN, unwind
 from .bead_base import BeadBase
 
 __all__ = ["BeadAngle"]
@@ -40,9 +39,7 @@ class BeadAngle(BeadBase):
         # at rest across the field its two parts cancel
         self.load = math.fabs(self.ux) + math.fabs(self.uy)
 
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         a0 = self.uy * math.sin(q0)
         ux = self.ux
         if ux != 0.0:
@@ -51,7 +48,7 @@ class BeadAngle(BeadBase):
         k = self.k
         if k != 0.0:
             a0 -= k * v0
-        return a0, 0.0
+        self.a0 = a0
 
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
@@ -65,9 +62,9 @@ class BeadAngle(BeadBase):
             t, r * v0 * c, r * v0 * s, along * c - inward * s, along * s + inward * c
         )
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
-        slope = self.uy * math.cos(q0) - self.ux * math.sin(q0)
-        return slope, 0.0, 0.0, 0.0, -self.k, 0.0, 0.0, 0.0
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        self.a0_q0 = self.uy * math.cos(q0) - self.ux * math.sin(q0)
+        self.a0_v0 = -self.k
 
     def settle(self, h: float) -> None:
         """Keep the angle within a turn."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
-from .frame import FramedModel
+from ..kernel.frame import FramedModel
 
 __all__ = ["BeadBase"]
 
@@ -133,18 +133,15 @@ class BeadBase(FramedModel):
         """Continuous angle (rad), angular velocity (rad/s), drift |p| - r (m)."""
         raise NotImplementedError
 
-    def energies_at(self, t: float) -> tuple[float, float, float]:
+    def energies_at(self, t: float) -> None:
         px, py, vx, vy = self.relative()
         vx += self.vx + t * self.ax
         vy += self.vy + t * self.ay
         lift_x = self.gx * (px + (self.x + t * (self.vx + 0.5 * t * self.ax)))
         lift_y = self.gy * (py + (self.y + t * (self.vy + 0.5 * t * self.ay)))
-        kinetic = 0.5 * self.m * (vx * vx + vy * vy)
-        return (
-            kinetic,
-            -self.m * (lift_x + lift_y),
-            self.m * (math.fabs(lift_x) + math.fabs(lift_y)),
-        )
+        self.kinetic = 0.5 * self.m * (vx * vx + vy * vy)
+        self.potential = -self.m * (lift_x + lift_y)
+        self.potential_size = self.m * (math.fabs(lift_x) + math.fabs(lift_y))
 
     def observe(self, group: int, values: list[float], first: int) -> None:
         if group == 0:

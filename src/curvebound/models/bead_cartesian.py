@@ -12,8 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from .angles import TURN, nearest_whole, unwind
-from .base import Jacobian
+from ..kernel.angles import TURN, nearest_whole, unwind
 from .bead_base import BeadBase
 
 __all__ = ["BeadCartesian"]
@@ -84,9 +83,7 @@ class BeadCartesian(BeadBase):
         # In the constant field e the square of the rate grows by no more than this / r^4
         self.swing = 4.0 * math.sqrt(self.ex * self.ex + self.ey * self.ey) * self.r * self.rr
 
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         ex = self.ex
         ey = self.ey
         pp = q0 * q0 + q1 * q1
@@ -95,11 +92,14 @@ class BeadCartesian(BeadBase):
         push = (q0 * ex + q1 * ey) + (v0 * v0 + v1 * v1)
         if self.plain:
             factor = push * inverse
-            return ex - factor * q0, ey - factor * q1
+            self.a0 = ex - factor * q0
+            self.a1 = ey - factor * q1
+            return
         push += self.along * (q0 * v0 + q1 * v1) + self.off * (pp - self.rr)
         factor = push * inverse
         k = self.k
-        return ex - k * v0 - factor * q0, ey - k * v1 - factor * q1
+        self.a0 = ex - k * v0 - factor * q0
+        self.a1 = ey - k * v1 - factor * q1
 
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
@@ -111,7 +111,7 @@ class BeadCartesian(BeadBase):
             v1 -= normal * q1
         return self.work_rate(t, v0, v1, a0, a1)
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         ex = self.ex
         ey = self.ey
         along = self.along
@@ -127,16 +127,14 @@ class BeadCartesian(BeadBase):
         fv0 = -(2.0 * v0 + along * q0) / pp
         fv1 = -(2.0 * v1 + along * q1) / pp
         k = self.k
-        return (
-            factor + q0 * fq0,
-            q0 * fq1,
-            q1 * fq0,
-            factor + q1 * fq1,
-            q0 * fv0 - k,
-            q0 * fv1,
-            q1 * fv0,
-            q1 * fv1 - k,
-        )
+        self.a0_q0 = factor + q0 * fq0
+        self.a0_q1 = q0 * fq1
+        self.a1_q0 = q1 * fq0
+        self.a1_q1 = factor + q1 * fq1
+        self.a0_v0 = q0 * fv0 - k
+        self.a0_v1 = q0 * fv1
+        self.a1_v0 = q1 * fv0
+        self.a1_v1 = q1 * fv1 - k
 
     def settle(self, h: float) -> None:
         """Project onto the wire, if chosen, and count turns through the upward ray."""

@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
-from .angles import unwind
-from .frame import FramedModel
+from ..kernel.angles import unwind
+from ..kernel.frame import FramedModel
 
 __all__ = ["ParabolaBase"]
 
@@ -110,7 +110,8 @@ class ParabolaBase(FramedModel):
         self.lift: float = 0.0
         #: magnification at the start
         self.first_magnification: float = 1.0
-        self.kept_a: tuple[float, float] = (0.0, 0.0)
+        self.kept_a: float = 0.0
+        self.kept_a_rate: float = 0.0
 
     def remedy(self, trouble: str) -> str:
         if trouble == "linear":
@@ -206,10 +207,12 @@ class ParabolaBase(FramedModel):
 
     def keep(self) -> None:
         super().keep()
-        self.kept_a = (self.a, self.a_rate)
+        self.kept_a = self.a
+        self.kept_a_rate = self.a_rate
 
     def undo(self) -> None:
-        self.a, self.a_rate = self.kept_a
+        self.a = self.kept_a
+        self.a_rate = self.kept_a_rate
         super().undo()
 
     # -- observation -----------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
-from .base import Law
+from ..kernel.law import Law
 
 __all__ = ["ParabolaDrive"]
 
@@ -126,7 +126,10 @@ class ParabolaDrive(Law):
         self.ax: float = 0.0
         self.ay: float = 0.0
         self.coefficient: float = 0.0
-        self.kept: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+        self.kept_time: float = 0.0
+        self.kept_ax: float = 0.0
+        self.kept_ay: float = 0.0
+        self.kept_coefficient: float = 0.0
         self.kept_start: bool = True
 
     def start(self, parameters: dict[str, float], choices: dict[str, int], time: float) -> None:
@@ -315,12 +318,18 @@ class ParabolaDrive(Law):
 
     def keep(self) -> None:
         """Remember the present state, cheaply, for one undo()."""
-        self.kept = (self.time, self.ax, self.ay, self.coefficient)
+        self.kept_time = self.time
+        self.kept_ax = self.ax
+        self.kept_ay = self.ay
+        self.kept_coefficient = self.coefficient
         self.kept_start = self.at_start
 
     def undo(self) -> None:
         """Return to the state that keep() remembered."""
-        self.time, self.ax, self.ay, self.coefficient = self.kept
+        self.time = self.kept_time
+        self.ax = self.kept_ax
+        self.ay = self.kept_ay
+        self.coefficient = self.kept_coefficient
         self.at_start = self.kept_start
 
     # -- observation -----------------------------------------------------------------------------

@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from .base import Jacobian
 from .parabola_nonlinear import ParabolaNonlinear
 
 __all__ = ["ParabolaLinear"]
@@ -86,11 +85,11 @@ class ParabolaLinear(ParabolaNonlinear):
         self.th_u = 2.0 * self.a * (self.th_q - self.th_k)
         self.plain = not (self.reshapes or self.damped or self.u_1 != 0.0 or self.th_1 != 0.0)
 
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         if self.plain:
-            return self.u_u * q0 + self.u_k * q1, self.th_u * q0 + self.th_k * q1
+            self.a0 = self.u_u * q0 + self.u_k * q1
+            self.a1 = self.th_u * q0 + self.th_k * q1
+            return
         a2 = 2.0 * self.a
         if self.reshapes:
             a2 += t * (2.0 * self.a_rate + t * self.a_acceleration)
@@ -101,28 +100,27 @@ class ParabolaLinear(ParabolaNonlinear):
         if self.damped:
             a0 += self.u_p * v0 + self.u_o * v1
             a1 += self.th_p * v0 + self.th_o * v1
-        return a0, a1
+        self.a0 = a0
+        self.a1 = a1
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         a2 = 2.0 * self.a + t * (2.0 * self.a_rate + t * self.a_acceleration)
-        return (
-            a2 * (self.u_q - self.u_k),
-            self.u_k,
-            a2 * (self.th_q - self.th_k),
-            self.th_k,
-            self.u_p,
-            self.u_o,
-            self.th_p,
-            self.th_o,
-        )
+        self.a0_q0 = a2 * (self.u_q - self.u_k)
+        self.a0_q1 = self.u_k
+        self.a1_q0 = a2 * (self.th_q - self.th_k)
+        self.a1_q1 = self.th_k
+        self.a0_v0 = self.u_p
+        self.a0_v1 = self.u_o
+        self.a1_v0 = self.th_p
+        self.a1_v1 = self.th_o
 
     def linear_system(self) -> list[list[float]]:
-        u_u, u_th, th_u, th_th, u_p, u_o, th_p, th_o = self.jacobian(0.0, 0.0, 0.0, 0.0, 0.0)
+        self.jacobian(0.0, 0.0, 0.0, 0.0, 0.0)
         return [
             [0.0, 0.0, 1.0, 0.0, 0.0],
             [0.0, 0.0, 0.0, 1.0, 0.0],
-            [u_u, u_th, u_p, u_o, self.u_1],
-            [th_u, th_th, th_p, th_o, self.th_1],
+            [self.a0_q0, self.a0_q1, self.a0_v0, self.a0_v1, self.u_1],
+            [self.a1_q0, self.a1_q1, self.a1_v0, self.a1_v1, self.th_1],
             [0.0, 0.0, 0.0, 0.0, 0.0],
         ]
 
@@ -185,27 +183,30 @@ class ParabolaLinear(ParabolaNonlinear):
             [0.0, 0.0, half_1u, half_1th, 0.0],
         ]
 
-    def balance(self, t: float) -> tuple[float, float]:
+    def balance(self, t: float) -> None:
         # linear equations have one solution, and not all of their energy is the nonlinear one's
-        return 0.0, 1.0
+        self.balance_energy = 0.0
+        self.balance_size = 1.0
 
-    def energies_at(self, t: float) -> tuple[float, float, float]:
+    def energies_at(self, t: float) -> None:
         a = self.a + t * (self.a_rate + 0.5 * t * self.a_acceleration)
         u = self.q0
         th = self.q1
         bob = self.v0 + self.r * self.v1
-        kinetic = 0.5 * (self.m1 * self.v0 * self.v0 + self.m2 * bob * bob)
+        self.kinetic = 0.5 * (self.m1 * self.v0 * self.v0 + self.m2 * bob * bob)
         hang = 0.5 * self.m2 * self.r * th * th
         rise = self.mass * a * u * u
         aside = self.gx * (self.mass * u + self.m2 * self.r * th)
-        size = math.fabs(self.gy) * (math.fabs(rise) + hang) + math.fabs(aside)
-        return kinetic, -self.gy * (rise + hang) - aside, size
+        self.potential = -self.gy * (rise + hang) - aside
+        self.potential_size = math.fabs(self.gy) * (math.fabs(rise) + hang) + math.fabs(aside)
 
     def reactions(self) -> tuple[float, float, float, float]:
         # Newton's law of both masses in exact geometry
         u = self.q0
         du = self.v0
-        a0, a1 = self.acceleration(0.0, u, self.q1, du, self.v1)
+        self.acceleration(0.0, u, self.q1, du, self.v1)
+        a0 = self.a0
+        a1 = self.a1
         s = math.sin(self.q1)
         c = math.cos(self.q1)
         m2 = self.m2
@@ -227,8 +228,12 @@ class ParabolaLinear(ParabolaNonlinear):
     def acceleration_error(self) -> float:
         u, th, du, dth = self.q0, self.q1, self.v0, self.v1
         r = self.r
-        l0, l1 = self.acceleration(0.0, u, th, du, dth)
-        n0, n1 = super().acceleration(0.0, u, th, du, dth)
+        self.acceleration(0.0, u, th, du, dth)
+        l0 = self.a0
+        l1 = self.a1
+        super().acceleration(0.0, u, th, du, dth)
+        n0 = self.a0
+        n1 = self.a1
         # the larger of the two as the measure: finite wherever one of them is not at rest
         size = max(math.hypot(l0, r * l1), math.hypot(n0, r * n1))
         if size == 0.0:

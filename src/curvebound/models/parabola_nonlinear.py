@@ -20,8 +20,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from .angles import TURN
-from .base import Jacobian
+from ..kernel.angles import TURN
 from .parabola_base import ParabolaBase
 
 __all__ = ["ParabolaNonlinear"]
@@ -60,9 +59,7 @@ class ParabolaNonlinear(ParabolaBase):
         slope += math.sqrt(rise / max(pull, rise * LEAST_PULL)) if rise > 0.0 else 0.0
         return max(1.0, self.m2 / self.m1) * max(1.0, slope)
 
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         a2 = 2.0 * self.a
         g = self.lift
         if self.reshapes:
@@ -84,30 +81,21 @@ class ParabolaNonlinear(ParabolaBase):
         x = self.sway
         if not self.forced:
             if x == 0.0:
-                return (
-                    (k * (m2 * g * c + whirl) - m1 * q * g) * inverse,
-                    -k * (self.mass * g + w * whirl) * inverse * self.per_r,
-                )
-            return (
-                (k * (m2 * (g * c - x * s) + whirl) - m1 * (x + q * g)) * inverse,
-                -k * (self.mass * (g - q * x) + w * whirl) * inverse * self.per_r,
-            )
+                self.a0 = (k * (m2 * g * c + whirl) - m1 * q * g) * inverse
+                self.a1 = -k * (self.mass * g + w * whirl) * inverse * self.per_r
+                return
+            self.a0 = (k * (m2 * (g * c - x * s) + whirl) - m1 * (x + q * g)) * inverse
+            self.a1 = -k * (self.mass * (g - q * x) + w * whirl) * inverse * self.per_r
+            return
         whirl += self.f2x * s - self.f2y * c
         push = self.f1x + q * self.f1y - self.c1 * v0 * lean
         twist = self.c2 * v1 * self.per_r
-        return (
-            (k * (m2 * (g * c - x * s) + whirl) - m1 * (x + q * g) + push + w * twist) * inverse,
-            (
-                (self.f2x * c + self.f2y * s) / m2
-                - (
-                    k * (self.mass * (g - q * x) + w * whirl)
-                    + w * push
-                    + self.mass_ratio * lean * twist
-                )
-                * inverse
-            )
-            * self.per_r,
-        )
+        pull = k * (m2 * (g * c - x * s) + whirl) - m1 * (x + q * g)
+        turn = k * (self.mass * (g - q * x) + w * whirl)
+        turn += w * push
+        turn += self.mass_ratio * lean * twist
+        self.a0 = (pull + push + w * twist) * inverse
+        self.a1 = ((self.f2x * c + self.f2y * s) / m2 - turn * inverse) * self.per_r
 
     def push_and_pull(
         self, t: float, q0: float, q1: float, v0: float, v1: float
@@ -164,7 +152,7 @@ class ParabolaNonlinear(ParabolaBase):
                 power += self.f2y * (vy + speed * math.sin(q1))
         return power
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         # Names as in acceleration(); x_u is the derivative of x with respect to u, _o to th'.
         acceleration = self.a_acceleration
         rate = self.a_rate + t * acceleration
@@ -226,16 +214,14 @@ class ParabolaNonlinear(ParabolaBase):
         m_p = -(k * mass * g_p + w * push_p)
         m_o = -(k * w * whirl_o + ratio * lean * twist_o)
         rd = r * d
-        return (
-            n_u / d,
-            n_th / d,
-            m_u / rd,
-            m_th / rd,
-            n_p / d,
-            n_o / d,
-            m_p / rd,
-            m_o / rd,
-        )
+        self.a0_q0 = n_u / d
+        self.a0_q1 = n_th / d
+        self.a1_q0 = m_u / rd
+        self.a1_q1 = m_th / rd
+        self.a0_v0 = n_p / d
+        self.a0_v1 = n_o / d
+        self.a1_v0 = m_p / rd
+        self.a1_v1 = m_o / rd
 
     def settle(self, h: float) -> None:
         """Keep the angle within a turn."""
@@ -249,7 +235,7 @@ class ParabolaNonlinear(ParabolaBase):
         if self.moving or self.reshapes:
             super().advance_frame(duration)
 
-    def energies_at(self, t: float) -> tuple[float, float, float]:
+    def energies_at(self, t: float) -> None:
         u = self.q0
         s = math.sin(self.q1)
         c = math.cos(self.q1)
@@ -262,12 +248,12 @@ class ParabolaNonlinear(ParabolaBase):
         speed = self.r * self.v1
         bx = vx + speed * c
         by = vy + speed * s
-        kinetic = 0.5 * (self.m1 * (vx * vx + vy * vy) + self.m2 * (bx * bx + by * by))
         hang = self.m2 * self.r
         potential = -self.mass * (self.gx * x + self.gy * y)
-        potential -= hang * (self.gx * s - self.gy * c)
         size = self.mass * (math.fabs(self.gx * x) + math.fabs(self.gy * y))
-        return kinetic, potential, size + hang * (math.fabs(self.gx) + math.fabs(self.gy))
+        self.kinetic = 0.5 * (self.m1 * (vx * vx + vy * vy) + self.m2 * (bx * bx + by * by))
+        self.potential = potential - hang * (self.gx * s - self.gy * c)
+        self.potential_size = size + hang * (math.fabs(self.gx) + math.fabs(self.gy))
 
     def reactions(self) -> tuple[float, float, float, float]:
         rx, ry, tension = self.push_and_pull(0.0, self.q0, self.q1, self.v0, self.v1)

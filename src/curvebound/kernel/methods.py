@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from .adaptive import Adaptive
-from .base import Method
 from .exact import Exact
 from .explicit_euler import ExplicitEuler
 from .implicit import Implicit
+from .method import Method
 from .rk4 import RK4
 from .semi_implicit_euler import SemiImplicitEuler
 

@@ -9,9 +9,6 @@ from .base import Model
 
 __all__ = ["FramedModel"]
 
-#: q0, q1, v0, v1, work, frame position and velocity, turns
-Kept = tuple[float, float, float, float, float, float, float, float, float, float]
-
 
 class FramedModel(Model):
     """A model whose curve is fixed to a translating frame, at rest in the origin at the start.
@@ -36,9 +33,23 @@ class FramedModel(Model):
         self.moving: bool = False
         #: whole turns that the state angle does not contain
         self.turns: float = 0.0
+        #: J, what energies_at() found: energies, and the size of what adds up to the potential one
+        self.kinetic: float = 0.0
+        self.potential: float = 0.0
+        self.potential_size: float = 0.0
         #: J, energy.total at the start
         self.initial_energy: float = 0.0
-        self.kept: Kept = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        # what keep() remembers
+        self.kept_q0: float = 0.0
+        self.kept_q1: float = 0.0
+        self.kept_v0: float = 0.0
+        self.kept_v1: float = 0.0
+        self.kept_work: float = 0.0
+        self.kept_x: float = 0.0
+        self.kept_y: float = 0.0
+        self.kept_vx: float = 0.0
+        self.kept_vy: float = 0.0
+        self.kept_turns: float = 0.0
         self.kept_settles: bool = False
 
     def rest_frame(self, parameters: dict[str, float]) -> None:
@@ -51,10 +62,10 @@ class FramedModel(Model):
 
     def note_initial_energy(self) -> None:
         """Remember energy.total; raises ValueError if the initial state is beyond the floats."""
-        kinetic, potential = self.energies()
-        self.initial_kinetic = kinetic
-        self.initial_potential = potential
-        self.initial_energy = kinetic + potential
+        self.energies_at(0.0)
+        self.initial_kinetic = self.kinetic
+        self.initial_potential = self.potential
+        self.initial_energy = self.kinetic + self.potential
         if not math.isfinite(self.initial_energy):
             raise ValueError(
                 f"the initial energy is {self.initial_energy!r} J: masses, lengths, gravity and "
@@ -63,19 +74,17 @@ class FramedModel(Model):
 
     def energies(self) -> tuple[float, float]:
         """Kinetic and potential energy (J) of the present state."""
-        kinetic, potential, _ = self.energies_at(0.0)
-        return kinetic, potential
+        self.energies_at(0.0)
+        return self.kinetic, self.potential
 
-    def energies_at(self, t: float) -> tuple[float, float, float]:
-        """Kinetic and potential energy (J), of a state t s after the communication point.
-
-        And the size of what adds up to the potential energy.
-        """
+    def energies_at(self, t: float) -> None:
+        """Set kinetic, potential and potential_size, t s after the communication point."""
         raise NotImplementedError
 
-    def balance(self, t: float) -> tuple[float, float]:
-        kinetic, potential, size = self.energies_at(t)
-        return kinetic + potential - self.work, kinetic + size + math.fabs(self.work)
+    def balance(self, t: float) -> None:
+        self.energies_at(t)
+        self.balance_energy = self.kinetic + self.potential - self.work
+        self.balance_size = self.kinetic + self.potential_size + math.fabs(self.work)
 
     def refresh(self) -> None:
         """Bring what is derived from state, frame and inputs up to date."""
@@ -91,10 +100,10 @@ class FramedModel(Model):
 
     def write_energies(self, values: list[float], at: int) -> None:
         """Write energy.kinetic, .potential, .total, .residual from values[at] on."""
-        kinetic, potential = self.energies()
-        total = kinetic + potential
-        values[at] = kinetic
-        values[at + 1] = potential
+        self.energies_at(0.0)
+        total = self.kinetic + self.potential
+        values[at] = self.kinetic
+        values[at + 1] = self.potential
         values[at + 2] = total
         values[at + 3] = total - (self.initial_energy + self.work)
 
@@ -136,33 +145,29 @@ class FramedModel(Model):
         self.initial_energy = state[11]
 
     def keep(self) -> None:
-        self.kept = (
-            self.q0,
-            self.q1,
-            self.v0,
-            self.v1,
-            self.work,
-            self.x,
-            self.y,
-            self.vx,
-            self.vy,
-            self.turns,
-        )
+        self.kept_q0 = self.q0
+        self.kept_q1 = self.q1
+        self.kept_v0 = self.v0
+        self.kept_v1 = self.v1
+        self.kept_work = self.work
+        self.kept_x = self.x
+        self.kept_y = self.y
+        self.kept_vx = self.vx
+        self.kept_vy = self.vy
+        self.kept_turns = self.turns
         self.kept_settles = self.settles
 
     def undo(self) -> None:
-        (
-            self.q0,
-            self.q1,
-            self.v0,
-            self.v1,
-            self.work,
-            self.x,
-            self.y,
-            self.vx,
-            self.vy,
-            self.turns,
-        ) = self.kept
+        self.q0 = self.kept_q0
+        self.q1 = self.kept_q1
+        self.v0 = self.kept_v0
+        self.v1 = self.kept_v1
+        self.work = self.kept_work
+        self.x = self.kept_x
+        self.y = self.kept_y
+        self.vx = self.kept_vx
+        self.vy = self.kept_vy
+        self.turns = self.kept_turns
         self.settles = self.kept_settles
         self.refresh()
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..models.base import Model
-from .base import DONE, TOO_MANY_STEPS, Method
+from .base import Model
+from .method import DONE, TOO_MANY_STEPS, Method
 
 __all__ = ["RK4"]
 
@@ -27,22 +27,30 @@ class RK4(Method):
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         for i in range(count):
             t = i * h
-            a0, a1 = model.acceleration(t, q0, q1, v0, v1)
+            model.acceleration(t, q0, q1, v0, v1)
+            a0 = model.a0
+            a1 = model.a1
             vb0 = v0 + half * a0
             vb1 = v1 + half * a1
             qb0 = q0 + half * v0
             qb1 = q1 + half * v1
-            b0, b1 = model.acceleration(t + half, qb0, qb1, vb0, vb1)
+            model.acceleration(t + half, qb0, qb1, vb0, vb1)
+            b0 = model.a0
+            b1 = model.a1
             vc0 = v0 + half * b0
             vc1 = v1 + half * b1
             qc0 = q0 + half * vb0
             qc1 = q1 + half * vb1
-            c0, c1 = model.acceleration(t + half, qc0, qc1, vc0, vc1)
+            model.acceleration(t + half, qc0, qc1, vc0, vc1)
+            c0 = model.a0
+            c1 = model.a1
             vd0 = v0 + h * c0
             vd1 = v1 + h * c1
             qd0 = q0 + h * vc0
             qd1 = q1 + h * vc1
-            d0, d1 = model.acceleration(t + h, qd0, qd1, vd0, vd1)
+            model.acceleration(t + h, qd0, qd1, vd0, vd1)
+            d0 = model.a0
+            d1 = model.a1
             if works:
                 model.work += sixth * (
                     model.power(t, q0, q1, v0, v1, a0, a1)

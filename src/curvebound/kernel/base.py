@@ -12,10 +12,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-__all__ = ["Jacobian", "Law", "Model"]
-
-#: d(acceleration)/d(q, v): a0 by q0, q1; a1 by q0, q1; a0 by v0, v1; a1 by v0, v1
-Jacobian = tuple[float, float, float, float, float, float, float, float]
+__all__ = ["Model", "acceleration_of", "jacobian_of"]
 
 
 class Model:
@@ -48,6 +45,21 @@ class Model:
         #: J, energies at the start: by them it is known how much has moved since
         self.initial_kinetic: float = 0.0
         self.initial_potential: float = 0.0
+        #: result of acceleration()
+        self.a0: float = 0.0
+        self.a1: float = 0.0
+        #: result of jacobian(): a0_q1 is d(a0)/d(q1)
+        self.a0_q0: float = 0.0
+        self.a0_q1: float = 0.0
+        self.a1_q0: float = 0.0
+        self.a1_q1: float = 0.0
+        self.a0_v0: float = 0.0
+        self.a0_v1: float = 0.0
+        self.a1_v0: float = 0.0
+        self.a1_v1: float = 0.0
+        #: J, result of balance(): energy less `work`, and the size of its parts
+        self.balance_energy: float = 0.0
+        self.balance_size: float = 1.0
         #: natural magnitudes of q0 and q1, for error norms
         self.q0_scale: float = 1.0
         self.q1_scale: float = 1.0
@@ -81,10 +93,8 @@ class Model:
         raise NotImplementedError
 
     # -- equations ---------------------------------------------------------------------------------
-    def acceleration(
-        self, t: float, q0: float, q1: float, v0: float, v1: float
-    ) -> tuple[float, float]:
-        """q'' at time t (s) since the communication point."""
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        """Set a0, a1 to q'' at time t (s) since the communication point."""
         raise NotImplementedError
 
     def power(
@@ -93,16 +103,15 @@ class Model:
         """W, rate of `work` for a motion with acceleration (a0, a1)."""
         raise NotImplementedError
 
-    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> Jacobian:
-        """Closed-form derivatives of acceleration(), in the order of `Jacobian`."""
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        """Set a0_q0 ... a1_v1 to the closed-form derivatives of acceleration()."""
         raise NotImplementedError
 
-    def balance(self, t: float) -> tuple[float, float]:
-        """Energy less `work` (J) t s after the communication point, and the size of its parts.
+    def balance(self, t: float) -> None:
+        """Set balance_energy and balance_size, t s after the communication point.
 
-        Constant for the exact motion. A model without one is never held to it.
+        balance_energy is constant for the exact motion. A model without one is never held to it.
         """
-        return 0.0, 1.0
 
     def linear_system(self) -> list[list[float]]:
         """A, shape (5, 5), with z' = A z for z = (q0, q1, v0, v1, 1); only if is_linear.
@@ -166,57 +175,22 @@ class Model:
         raise NotImplementedError
 
 
-class Law:
-    """A control law: outputs from inputs and time, without equations of motion.
+def acceleration_of(
+    model: Model, t: float, q0: float, q1: float, v0: float, v1: float
+) -> tuple[float, float]:
+    """(a0, a1) of a model, for those who have no need of speed."""
+    model.acceleration(t, q0, q1, v0, v1)
+    return model.a0, model.a1
 
-    Names are declared as in Model. Time is absolute here (s).
-    """
 
-    PARAMETERS: ClassVar[tuple[str, ...]] = ()
-    CHOICES: ClassVar[tuple[str, ...]] = ()
-    INPUTS: ClassVar[tuple[str, ...]] = ()
-    OUTPUTS: ClassVar[dict[str, int]] = {}
-    FEEDTHROUGH: ClassVar[tuple[int, ...]] = ()
-
-    def start(self, parameters: dict[str, float], choices: dict[str, int], time: float) -> None:
-        """Take parameters and choices and start at `time`."""
-        raise NotImplementedError
-
-    def set_parameters(self, parameters: dict[str, float], choices: dict[str, int]) -> None:
-        """Take changed tunable parameters: from the next communication point or sample on."""
-        raise NotImplementedError
-
-    def set_inputs(self, values: list[float], first: int) -> None:
-        """Take the inputs values[first:first + len(INPUTS)], all finite, in the order of INPUTS."""
-        raise NotImplementedError
-
-    def advance(self, time: float, duration: float) -> None:
-        """Make the communication step from `time`."""
-        raise NotImplementedError
-
-    def late(self, time: float, duration: float) -> str:
-        """What acts late since it lies within the communication step from `time`, or ''.
-
-        Names the variable, the time it was meant for, and the communication step that would do.
-        """
-        return ""
-
-    def observe(self, group: int, values: list[float], first: int) -> None:
-        """Write the outputs of one group to values[first + position in OUTPUTS]."""
-        raise NotImplementedError
-
-    def get_state(self) -> list[float]:
-        """Everything that changes while running, finite floats."""
-        raise NotImplementedError
-
-    def set_state(self, state: list[float]) -> None:
-        """Return to what get_state() gave."""
-        raise NotImplementedError
-
-    def keep(self) -> None:
-        """Remember the present state, cheaply, for one undo()."""
-        raise NotImplementedError
-
-    def undo(self) -> None:
-        """Return to the state that keep() remembered."""
-        raise NotImplementedError
+def jacobian_of(
+    model: Model, t: float, q0: float, q1: float, v0: float, v1: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """d(a0)/d(q0, q1), d(a1)/d(q0, q1), then both by (v0, v1), likewise."""
+    model.jacobian(t, q0, q1, v0, v1)
+    # fmt: off
+    return (
+        model.a0_q0, model.a0_q1, model.a1_q0, model.a1_q1,
+        model.a0_v0, model.a0_v1, model.a1_v0, model.a1_v1,
+    )
+    # fmt: on

@@ -22,9 +22,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..models.base import Model
-from .base import DONE, NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, Method
+from .base import Model
 from .blocks import block, solved
+from .method import DONE, NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, Method
 
 __all__ = ["Implicit"]
 
@@ -139,16 +139,19 @@ class Implicit(Method):
         q0, q1, v0, v1, work = model.q0, model.q1, model.v0, model.v1, model.work
         k10, k11, k20, k21, last = self.k10, self.k11, self.k20, self.k21, self.last
         if not self.weighed:
-            self.energy, self.stake = model.balance(t)
+            model.balance(t)
+            self.energy = model.balance_energy
+            self.stake = model.balance_size
             self.weighed = True
         for extrapolate in (True, False):
             if extrapolate and last <= 0.0:
                 continue
             if self.attempt(model, t, h, extrapolate):
-                energy, stake = model.balance(t + h)
-                if math.fabs(energy - self.energy) <= allowed * max(stake, self.stake):
-                    self.energy = energy
-                    self.stake = stake
+                model.balance(t + h)
+                gone = math.fabs(model.balance_energy - self.energy)
+                if gone <= allowed * max(model.balance_size, self.stake):
+                    self.energy = model.balance_energy
+                    self.stake = model.balance_size
                     return True
                 model.q0, model.q1, model.v0, model.v1, model.work = q0, q1, v0, v1, work
                 self.k10, self.k11, self.k20, self.k21, self.last = k10, k11, k20, k21, last
@@ -179,17 +182,20 @@ class Implicit(Method):
             x20 = self.k10 + ahead2 * slope0
             x21 = self.k11 + ahead2 * slope1
         else:
-            ja = model.jacobian(t, q0, q1, v0, v1)
-            if h * (math.fabs(ja[4]) + math.fabs(ja[7])) > STIFF:
+            model.jacobian(t, q0, q1, v0, v1)
+            if h * (math.fabs(model.a0_v0) + math.fabs(model.a1_v1)) > STIFF:
                 x10 = x11 = 0.0
             else:
-                x10, x11 = model.acceleration(t, q0, q1, v0, v1)
+                model.acceleration(t, q0, q1, v0, v1)
+                x10 = model.a0
+                x11 = model.a1
                 self.evaluations += 1
             x20 = x10
             x21 = x11
         floor0 = math.fabs(v0) / h
         floor1 = math.fabs(v1) / h
         before = math.inf
+        damping = 0.0
         for _ in range(MOST_ITERATIONS):
             qa0 = q0 + h * C1 * v0 + hh * (B11 * x10 + B12 * x20)
             qa1 = q1 + h * C1 * v1 + hh * (B11 * x11 + B12 * x21)
@@ -199,19 +205,21 @@ class Implicit(Method):
             qb1 = q1 + h * C2 * v1 + hh * (B21 * x11 + B11 * x21)
             vb0 = v0 + h * (A21 * x10 + 0.25 * x20)
             vb1 = v1 + h * (A21 * x11 + 0.25 * x21)
-            f10, f11 = model.acceleration(t1, qa0, qa1, va0, va1)
-            f20, f21 = model.acceleration(t2, qb0, qb1, vb0, vb1)
+            model.acceleration(t1, qa0, qa1, va0, va1)
+            f10 = model.a0
+            f11 = model.a1
+            model.acceleration(t2, qb0, qb1, vb0, vb1)
+            f20 = model.a0
+            f21 = model.a1
             self.evaluations += 2
-            ja = model.jacobian(t1, qa0, qa1, va0, va1)
-            jb = model.jacobian(t2, qb0, qb1, vb0, vb1)
-            d10, d11, d20, d21 = solved(
-                block(1.0, hh * B11, h * 0.25, ja),
-                block(0.0, hh * B12, h * A12, ja),
-                block(0.0, hh * B21, h * A21, jb),
-                block(1.0, hh * B11, h * 0.25, jb),
-                (f10 - x10, f11 - x11),
-                (f20 - x20, f21 - x21),
-            )
+            model.jacobian(t1, qa0, qa1, va0, va1)
+            damping = h * (math.fabs(model.a0_v0) + math.fabs(model.a1_v1))
+            p = block(1.0, hh * B11, h * 0.25, model)
+            q = block(0.0, hh * B12, h * A12, model)
+            model.jacobian(t2, qb0, qb1, vb0, vb1)
+            r = block(0.0, hh * B21, h * A21, model)
+            s = block(1.0, hh * B11, h * 0.25, model)
+            d10, d11, d20, d21 = solved(p, q, r, s, (f10 - x10, f11 - x11), (f20 - x20, f21 - x21))
             if not math.fabs(d10 + d11 + d20 + d21) <= LARGEST:
                 return False
             x10 += d10
@@ -260,7 +268,7 @@ class Implicit(Method):
         model.q1 = q1 + (h * v1 + hh * (W1 * x11 + W2 * x21))
         model.v0 = v0 + (0.5 * h) * (x10 + x20)
         model.v1 = v1 + (0.5 * h) * (x11 + x21)
-        if h * (math.fabs(ja[4]) + math.fabs(ja[7])) > STIFF:
+        if damping > STIFF:
             # of what damping does at once there is nothing to extrapolate, and the speeds that
             # follow from it lead the next iteration to solutions far off
             x10 = x11 = x20 = x21 = 0.0

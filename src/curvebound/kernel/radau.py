@@ -13,10 +13,10 @@ coefficients of the polynomial through the K_i measure the error.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Annotated, Final
 
-from ..models.base import Model
-from .elimination import factorised, substitute
+from .base import Model
+from .elimination import Exchanges, Matrix, Vector, factorised, substitute
 from .radau_tables import HIGHEST, NEXT, NODES, STAGES, A, B
 from .rounding import NEGLIGIBLE, Rounding
 
@@ -43,20 +43,20 @@ class Radau:
         #: of the equations of motion, for the caller to count
         self.evaluations: int = 0
         # accelerations at the stages
-        self.a: list[float] = [0.0] * STAGES
-        self.b: list[float] = [0.0] * STAGES
+        self.a: Annotated[list[float], STAGES] = [0.0] * STAGES
+        self.b: Annotated[list[float], STAGES] = [0.0] * STAGES
         # stages: coordinates and rates
-        self.x0: list[float] = [0.0] * STAGES
-        self.x1: list[float] = [0.0] * STAGES
-        self.w0: list[float] = [0.0] * STAGES
-        self.w1: list[float] = [0.0] * STAGES
+        self.x0: Annotated[list[float], STAGES] = [0.0] * STAGES
+        self.x1: Annotated[list[float], STAGES] = [0.0] * STAGES
+        self.w0: Annotated[list[float], STAGES] = [0.0] * STAGES
+        self.w1: Annotated[list[float], STAGES] = [0.0] * STAGES
         #: residuals, then corrections
-        self.r: list[float] = [0.0] * (2 * STAGES)
+        self.r: Vector = [0.0] * (2 * STAGES)
         #: the factorised Newton matrix by rows, and its row exchanges
-        self.m: list[float] = [0.0] * (4 * STAGES * STAGES)
-        self.rows: list[int] = [0] * (2 * STAGES)
+        self.m: Matrix = [0.0] * (4 * STAGES * STAGES)
+        self.rows: Exchanges = [0] * (2 * STAGES)
         #: largest slopes of both accelerations by q0, q1, v0, v1
-        self.slopes: list[float] = [0.0] * 8
+        self.slopes: Annotated[list[float], 8] = [0.0] * 8
         #: what the rounding of coordinates and rates makes of the accelerations
         self.noise0: float = 0.0
         self.noise1: float = 0.0
@@ -144,11 +144,9 @@ class Radau:
             self.place(model, h)
             left0 = left1 = 0.0
             for i in range(STAGES):
-                f0, f1 = model.acceleration(
-                    t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i]
-                )
-                f0 -= a[i]
-                f1 -= b[i]
+                model.acceleration(t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i])
+                f0 = model.a0 - a[i]
+                f1 = model.a1 - b[i]
                 left0 = max(left0, math.fabs(f0))
                 left1 = max(left1, math.fabs(f1))
                 r[i] = f0
@@ -199,7 +197,9 @@ class Radau:
 
     def look(self, model: Model, rounding: Rounding, t: float) -> None:
         """Look closely at rounding where the step begins."""
-        a0, a1 = model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+        model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+        a0 = model.a0
+        a1 = model.a1
         self.evaluations += 1
         rounding.look(model, t, a0, a1)
 
@@ -229,10 +229,9 @@ class Radau:
         for i in range(8):
             slopes[i] = 0.0
         for i in range(STAGES):
-            # by pairs of floats, in the order of Jacobian
-            j00, j01, j10, j11, k00, k01, k10, k11 = model.jacobian(
-                t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i]
-            )
+            model.jacobian(t + NODES[i] * h, self.x0[i], self.x1[i], self.w0[i], self.w1[i])
+            j00, j01, j10, j11 = model.a0_q0, model.a0_q1, model.a1_q0, model.a1_q1
+            k00, k01, k10, k11 = model.a0_v0, model.a0_v1, model.a1_v0, model.a1_v1
             slopes[0] = max(slopes[0], math.fabs(j00))
             slopes[1] = max(slopes[1], math.fabs(j01))
             slopes[2] = max(slopes[2], math.fabs(k00))

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..models.base import Model
-from .base import DONE, NOT_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS, Method
+from .base import Model
 from .elapsed import Elapsed
 from .lobatto import Collocation
+from .method import DONE, NOT_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS, Method
 from .rounding import Rounding
 from .stiff import Stiff, is_stiff, usual
 
@@ -131,7 +131,9 @@ class Adaptive(Method):
         settles = model.settles
         share = max(SHARE * tolerance / model.magnification, LEAST_SHARE)
         least = duration * SHORT
-        a0, a1 = model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
+        model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
+        a0 = model.a0
+        a1 = model.a1
         self.evaluations += 1
         if not math.fabs(a0) + math.fabs(a1) <= LARGEST:
             self.reached = self.wished
@@ -172,7 +174,9 @@ class Adaptive(Method):
                     t = elapsed.t
                     if t >= duration:
                         return DONE
-                    a0, a1 = model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+                    model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+                    a0 = model.a0
+                    a1 = model.a1
                     self.evaluations += 1
                 since = tries
                 trial = max(FIRST_TRIAL, 2 * tries)
@@ -213,7 +217,9 @@ class Adaptive(Method):
                 elapsed.add(h)
                 if settles:
                     t = elapsed.t
-                    a0, a1 = model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+                    model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+                    a0 = model.a0
+                    a1 = model.a1
                     self.evaluations += 1
                 else:
                     a0 = collocation.a7

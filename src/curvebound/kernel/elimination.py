@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Annotated, Final
 
-__all__ = ["factorised", "substitute"]
+__all__ = ["Exchanges", "Matrix", "Vector", "factorised", "substitute"]
+
+#: room for 14 unknowns: a matrix by rows, a right side, the rows exchanged
+Matrix = Annotated[list[float], 196]
+Vector = Annotated[list[float], 14]
+Exchanges = Annotated[list[int], 14]
 
 LARGEST: Final = 1e300
 
 
-def factorised(m: list[float], rows: list[int], n: int) -> bool:
+def factorised(m: Matrix, rows: Exchanges, n: int) -> bool:
     """Replace the n x n matrix by its triangles, rows exchanged; False where it is singular."""
     for i in range(n):
         p = i
@@ -38,7 +43,7 @@ def factorised(m: list[float], rows: list[int], n: int) -> bool:
     return True
 
 
-def substitute(m: list[float], rows: list[int], r: list[float], n: int) -> None:
+def substitute(m: Matrix, rows: Exchanges, r: Vector, n: int) -> None:
     """Turn the right side r, n long, into the solution, with what factorised() left."""
     for i in range(n):
         p = rows[i]

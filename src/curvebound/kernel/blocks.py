@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..models.base import Jacobian
+from .base import Model
 
 __all__ = ["block", "solved"]
 
@@ -13,13 +13,16 @@ Block = tuple[float, float, float, float]
 Pair = tuple[float, float]
 
 
-def block(unit: float, of_q: float, of_v: float, j: Jacobian) -> Block:
-    """A 2 x 2 block of the Newton matrix: unit I - of_q dK/dq - of_v dK/dv, by rows."""
+def block(unit: float, of_q: float, of_v: float, model: Model) -> Block:
+    """A 2 x 2 block of the Newton matrix: unit I - of_q dK/dq - of_v dK/dv, by rows.
+
+    With the slopes that the model's jacobian() found last.
+    """
     return (
-        unit - of_q * j[0] - of_v * j[4],
-        -of_q * j[1] - of_v * j[5],
-        -of_q * j[2] - of_v * j[6],
-        unit - of_q * j[3] - of_v * j[7],
+        unit - of_q * model.a0_q0 - of_v * model.a0_v0,
+        -of_q * model.a0_q1 - of_v * model.a0_v1,
+        -of_q * model.a1_q0 - of_v * model.a1_v0,
+        unit - of_q * model.a1_q1 - of_v * model.a1_v1,
     )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from ..models.base import Model
+from .base import Model
 
 __all__ = [
     "DONE",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..models.base import Model
-from .base import DONE, TOO_MANY_STEPS, Method
+from .base import Model
+from .method import DONE, TOO_MANY_STEPS, Method
 
 __all__ = ["ExplicitEuler"]
 
@@ -25,7 +25,9 @@ class ExplicitEuler(Method):
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         for i in range(count):
             t = i * h
-            a0, a1 = model.acceleration(t, q0, q1, v0, v1)
+            model.acceleration(t, q0, q1, v0, v1)
+            a0 = model.a0
+            a1 = model.a1
             if works:
                 model.work += h * model.power(t, q0, q1, v0, v1, a0, a1)
             q0 += h * v0

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..models.base import Model
+from .base import Model
 from .polynomial import C1, C2, C3, C4, C5, C6, extrapolated, tail
 from .rounding import NEGLIGIBLE, Rounding
 
@@ -302,10 +302,18 @@ class Collocation:
                 work += A73 * model.power(t + C3 * h, y3, x3, u3, w3, a3, b3)
                 work += A74 * model.power(t + C4 * h, y4, x4, u4, w4, a4, b4)
             else:
-                a1, b1 = model.acceleration(t + C1 * h, y1, x1, u1, w1)
-                a2, b2 = model.acceleration(t + C2 * h, y2, x2, u2, w2)
-                a3, b3 = model.acceleration(t + C3 * h, y3, x3, u3, w3)
-                a4, b4 = model.acceleration(t + C4 * h, y4, x4, u4, w4)
+                model.acceleration(t + C1 * h, y1, x1, u1, w1)
+                a1 = model.a0
+                b1 = model.a1
+                model.acceleration(t + C2 * h, y2, x2, u2, w2)
+                a2 = model.a0
+                b2 = model.a1
+                model.acceleration(t + C3 * h, y3, x3, u3, w3)
+                a3 = model.a0
+                b3 = model.a1
+                model.acceleration(t + C4 * h, y4, x4, u4, w4)
+                a4 = model.a0
+                b4 = model.a1
             y5 = q0 + (C5 * h * v0 + hh * (((R55 * a5 + R56 * a6) + (R57 * a7 + R50 * a0))
                 + ((R51 * a1 + R52 * a2) + (R53 * a3 + R54 * a4))))
             u5 = v0 + h * (((A55 * a5 + A56 * a6) + (A57 * a7 + A50 * a0)) + ((A51 * a1 + A52 * a2)
@@ -337,9 +345,15 @@ class Collocation:
                 work += A77 * model.power(t + h, y7, x7, u7, w7, a7, b7)
                 break
             d5, d6, e5, e6 = a5, a6, b5, b6
-            a5, b5 = model.acceleration(t + C5 * h, y5, x5, u5, w5)
-            a6, b6 = model.acceleration(t + C6 * h, y6, x6, u6, w6)
-            a7, b7 = model.acceleration(t + h, y7, x7, u7, w7)
+            model.acceleration(t + C5 * h, y5, x5, u5, w5)
+            a5 = model.a0
+            b5 = model.a1
+            model.acceleration(t + C6 * h, y6, x6, u6, w6)
+            a6 = model.a0
+            b6 = model.a1
+            model.acceleration(t + h, y7, x7, u7, w7)
+            a7 = model.a0
+            b7 = model.a1
             self.sweeps += 1
             if not two:
                 two = b1 != 0.0 or b2 != 0.0 or b3 != 0.0 or b4 != 0.0

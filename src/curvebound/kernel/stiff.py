@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..models.base import Model
-from .base import DONE, STEP_TOO_SMALL, TOO_MANY_STEPS
+from .base import Model
 from .elapsed import Elapsed
+from .method import DONE, STEP_TOO_SMALL, TOO_MANY_STEPS
 from .radau import Radau
 from .radau_tables import STAGES
 from .rounding import NEGLIGIBLE, Rounding
@@ -133,10 +133,11 @@ def usual(model: Model, t: float, q0: float, q1: float, v0: float, v1: float) ->
     there is no limit known.
     """
     try:
-        j = model.jacobian(t, q0, q1, v0, v1)
+        model.jacobian(t, q0, q1, v0, v1)
     except (ArithmeticError, ValueError, NotImplementedError):
         return LARGEST
-    rate = math.fabs(j[4] + j[7]) + math.sqrt(math.fabs(j[0]) + math.fabs(j[3]))
+    rate = math.fabs(model.a0_v0 + model.a1_v1)
+    rate += math.sqrt(math.fabs(model.a0_q0) + math.fabs(model.a1_q1))
     return 1.0 / rate if rate * LARGEST > 1.0 else LARGEST
 
 
@@ -148,10 +149,10 @@ def is_stiff(model: Model, rounding: Rounding, t: float, h: float, a0: float, a1
     v0 = math.fabs(model.v0)
     v1 = math.fabs(model.v1)
     try:
-        j = model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
+        model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
     except (ArithmeticError, ValueError, NotImplementedError):
         return False
-    damping = -(j[4] + j[7])
+    damping = -(model.a0_v0 + model.a1_v1)
     rounding.look_closely(model, t, a0, a1)
     still = NEGLIGIBLE * damping * damping
     change0 = math.fabs(a0) - max(rounding.noise0, still * rounding.size0)

@@ -1,0 +1,1 @@
+"""What is compiled: models, their moving frame, and the methods that integrate them in time."""

@@ -1,0 +1,63 @@
+"""What every control law offers to the FMI face."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+__all__ = ["Law"]
+
+
+class Law:
+    """A control law: outputs from inputs and time, without equations of motion.
+
+    Names are declared as in Model. Time is absolute here (s).
+    """
+
+    PARAMETERS: ClassVar[tuple[str, ...]] = ()
+    CHOICES: ClassVar[tuple[str, ...]] = ()
+    INPUTS: ClassVar[tuple[str, ...]] = ()
+    OUTPUTS: ClassVar[dict[str, int]] = {}
+    FEEDTHROUGH: ClassVar[tuple[int, ...]] = ()
+
+    def start(self, parameters: dict[str, float], choices: dict[str, int], time: float) -> None:
+        """Take parameters and choices and start at `time`."""
+        raise NotImplementedError
+
+    def set_parameters(self, parameters: dict[str, float], choices: dict[str, int]) -> None:
+        """Take changed tunable parameters: from the next communication point or sample on."""
+        raise NotImplementedError
+
+    def set_inputs(self, values: list[float], first: int) -> None:
+        """Take the inputs values[first:first + len(INPUTS)], all finite, in the order of INPUTS."""
+        raise NotImplementedError
+
+    def advance(self, time: float, duration: float) -> None:
+        """Make the communication step from `time`."""
+        raise NotImplementedError
+
+    def late(self, time: float, duration: float) -> str:
+        """What acts late since it lies within the communication step from `time`, or ''.
+
+        Names the variable, the time it was meant for, and the communication step that would do.
+        """
+        return ""
+
+    def observe(self, group: int, values: list[float], first: int) -> None:
+        """Write the outputs of one group to values[first + position in OUTPUTS]."""
+        raise NotImplementedError
+
+    def get_state(self) -> list[float]:
+        """Everything that changes while running, finite floats."""
+        raise NotImplementedError
+
+    def set_state(self, state: list[float]) -> None:
+        """Return to what get_state() gave."""
+        raise NotImplementedError
+
+    def keep(self) -> None:
+        """Remember the present state, cheaply, for one undo()."""
+        raise NotImplementedError
+
+    def undo(self) -> None:
+        """Return to the state that keep() remembered."""
+        raise NotImplementedError
