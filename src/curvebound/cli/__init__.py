@@ -29,6 +29,7 @@ __all__ = ["main", "parser"]
 _COMMANDS = (
     "list",
     "show",
+    "new",
     "build",
     "run",
     "demo",
