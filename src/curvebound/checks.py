@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import functools
 import math
+import random
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -26,13 +27,15 @@ from .cosim.instance import Instance, Library, Log
 from .fmi.build import build
 from .fmi.cached import cached_fmu
 from .fmi.compile import why_not
-from .fmi.declaration import CHOICE, INPUT, OUTPUT, PARAMETER, Fmu
+from .fmi.declaration import CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu
 from .fmi.folder import Folder
+from .mechanics.numeric import extended
 
 __all__ = [
     "CHECKS",
     "is_a_valid_fmu",
     "keeps_the_balance_of_energy",
+    "kernel_follows_mechanics",
     "methods_have_their_orders",
     "runs_alike_compiled_and_interpreted",
     "saves_its_whole_state",
@@ -44,6 +47,8 @@ Columns = dict[str, NDArray[np.float64]]
 _ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4, "implicit": 4}
 #: steps a second from which orders are looked at: the fastest motion may need many
 _COUNTS = (50, 200, 800, 3200)
+#: states at which accelerations are compared, and how close they are, relative
+_STATES, _CLOSE = 300, 1e-12
 #: an error below this is rounding
 _NOISE = 3e-12
 #: amplitude of an input in a check, by unit
@@ -56,6 +61,41 @@ def is_a_valid_fmu(folder: Path | str) -> None:
 
     problems = validate_fmu(str(cached_fmu(_of(folder))))
     assert not problems, "\n".join(problems)
+
+
+def kernel_follows_mechanics(folder: Path | str) -> None:
+    """The kernel's accelerations are those that follow from mechanics.py, to 1e-12."""
+    system = _of(folder)
+    if not system.has("mechanics"):
+        return
+    derived, fmu = system.derived(), system.fmu()
+    rng = random.Random(1)
+    for label, choices in _models(fmu):
+        numbers = {
+            v.name: int(v.start) for v in fmu.variables if v.kind in (CHOICE, COUNT_PARAMETER)
+        }
+        for v in fmu.variables:
+            if v.type is not None and v.name in choices:
+                numbers[v.name] = v.type.number(str(choices[v.name]))
+        if derived.has_constraint and numbers["model.formulation"] == 1:
+            continue  # its state is Cartesian
+        linear = derived.has_linear and numbers.get("model.fidelity") == 1
+        accelerations = derived.function("linear_accelerations" if linear else "accelerations")
+        for _ in range(_STATES):
+            values = _anywhere(fmu, rng)
+            model = system.module("kernel").model(numbers)
+            model.start(values, numbers)
+            model.set_inputs([values[name] for name in model.INPUTS], 0)
+            symbols = derived.at(extended, {n: extended.number(x) for n, x in values.items()})
+            model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
+            got = (model.a0, model.a1)[: len(derived.coordinates)]
+            true = [float(a) for a in accelerations(extended, symbols)]
+            size = max(map(abs, true))
+            for name, a, b in zip(derived.coordinates, got, true, strict=True):
+                assert abs(a - b) <= _CLOSE * size, (
+                    f"{label}the acceleration of {name} is {a!r} in the kernel, but {b!r} follows "
+                    f"from mechanics.py, at {values}"
+                )
 
 
 def keeps_the_balance_of_energy(folder: Path | str) -> None:
@@ -146,6 +186,7 @@ def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
 #: all of the above
 CHECKS: tuple[Callable[[Path | str], None], ...] = (
     is_a_valid_fmu,
+    kernel_follows_mechanics,
     keeps_the_balance_of_energy,
     methods_have_their_orders,
     saves_its_whole_state,
@@ -176,6 +217,19 @@ def _models(fmu: Fmu) -> Iterable[tuple[str, dict[str, Value]]]:
             for number, (item, _) in enumerate(variable.type.items, 1):
                 if number != variable.start:
                     yield f"{variable.name} = {item}: ", {variable.name: item}
+
+
+def _anywhere(fmu: Fmu, rng: random.Random) -> dict[str, float]:
+    """Parameters and inputs at random: sizes about their start values, states in all directions."""
+    values = {}
+    for v in fmu.variables:
+        if v.kind == INPUT or (v.kind == PARAMETER and v.unit in ("rad", "m/s", "rad/s")):
+            values[v.name] = rng.uniform(-3.0, 3.0)
+        elif v.kind == PARAMETER and v.start == 0.0:
+            values[v.name] = abs(rng.gauss(0.0, 1.0))
+        elif v.kind == PARAMETER:
+            values[v.name] = v.start * math.exp(rng.gauss(0.0, 1.0))
+    return values
 
 
 def _states(fmu: Fmu) -> list[str]:

@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     for part in (f"dof{options.dof}", "both"):
         for source in (templates / part).iterdir():
             text = source.read_text(encoding="utf-8")
-            target = folder / Template(source.name.removesuffix(".template")).substitute(words)
+            target = folder / source.name.removesuffix(".template").replace("NAME", name)
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(Template(text).substitute(words), encoding="utf-8")
             made.append(target.name)

@@ -39,7 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="EXPR",
         action="append",
         default=[],
-        help="a number to keep of each run, such as max(abs(bead.bead.x)); may be repeated",
+        help="a number to keep of each run, such as max(abs(plant.body.x)); may be repeated",
     )
     parser.add_argument(
         "--set",

@@ -114,17 +114,17 @@ def count(name: str, description: str) -> Variable:
 
 
 class Fmu(NamedTuple):
-    """An FMU: its variables and the system of the kernel that gives them their meaning.
+    """An FMU: its variables, all of them or, beside a mechanics.py, those with something to add.
 
-    `system` makes the engines of its instances: a Plant(...) or a Controller(...).
+    `system` is filled in from the kernel: it makes the engines of the FMU's instances.
     `stop_time` and `step_size` (s) are those of DefaultExperiment. It states no tolerance:
     importers would pass it to fmi2SetupExperiment, where it overrides solver.tolerance.
     """
 
     name: str
     description: str
-    system: System
-    variables: tuple[Variable, ...]
+    variables: tuple[Variable, ...] = ()
+    system: System | None = None
     stop_time: float = 10.0
     step_size: float = 0.01
     #: the reference experiment: what inputs and tunable parameters are, constants (enumerations by

@@ -1,8 +1,8 @@
 """The folder of a system: where it is found, what is declared in it, what travels in its FMU.
 
 fmu.py               FMU: variables, units, domains, enumerations
-mechanics.py         MECHANICS: the physics, as on a blackboard
-kernel.py            the accelerations
+mechanics.py         MECHANICS: the physics, as on a blackboard; a control law has none
+kernel.py            the accelerations by hand, or the law; optional where there are mechanics
 reference.py         what is known of the motion besides, for references; optional
 drawing.py           DRAWING: what to draw; optional
 documentation.html   what the FMU's page tells, with the pictures *.svg; optional
@@ -21,14 +21,23 @@ from pathlib import Path
 from types import ModuleType
 
 from ..errors import CurveboundError
+from ..mechanics.derived import Derived, derive
 from ..places import fmus_directory
+from .controller import Controller
 from .declaration import Fmu
-from .drawing import Drawing, complete
+from .drawing import Drawing, Point, complete
+from .engine import System
+from .implied import variables_of
+from .plant import Plant
 
-__all__ = ["BESIDE", "Folder", "find", "names", "shipped_drawings", "systems_in"]
+__all__ = ["BESIDE", "DECLARATION", "Folder", "find", "names", "shipped_drawings", "systems_in"]
 
 #: the folder beside a scene, or in the working directory, in which systems are found by name
 BESIDE = "systems"
+#: in an FMU, the module with the declaration
+DECLARATION = "declaration"
+#: what makes engines -> what it needs of kernel.py
+_FACTORIES = {"Plant": "model", "Controller": "law"}
 
 
 @dataclass(frozen=True)
@@ -49,6 +58,8 @@ class Folder:
         is named after place and content. Raises CurveboundError where the module fails.
         """
         package = self._package()
+        if name == "kernel" and not self.has("kernel"):
+            return self._derived_kernel(package)
         writes = sys.dont_write_bytecode
         sys.dont_write_bytecode = True  # an edit within the same second would go unseen
         try:
@@ -63,6 +74,29 @@ class Folder:
         finally:
             sys.dont_write_bytecode = writes
 
+    def has(self, module: str) -> bool:
+        """Whether it has that module."""
+        return (self.path / f"{module}.py").is_file()
+
+    def derived(self) -> Derived:
+        """What follows from its mechanics.py; CurveboundError where it has none."""
+        if not self.has("mechanics"):
+            raise CurveboundError(
+                f"{self.path} has neither a mechanics.py nor a kernel.py: state the physics in the "
+                "one, or the accelerations in the other"
+            )
+        return derive(self.path / "mechanics.py", self.name)
+
+    def _derived_kernel(self, package: str) -> ModuleType:
+        """The module whose source is derived, as if it stood in the folder."""
+        name = f"{package}.kernel"
+        if name not in sys.modules:
+            text = self.derived().kernel
+            module = ModuleType(name)
+            sys.modules[name] = module
+            exec(compile(text, f"{self.path / 'kernel.py'} (derived)", "exec"), module.__dict__)
+        return sys.modules[name]
+
     def _package(self) -> str:
         """The package of which its modules are part; made where it is new."""
         digest = hashlib.sha256(str(self.path).encode())
@@ -76,7 +110,11 @@ class Folder:
         return name
 
     def fmu(self) -> Fmu:
-        """The declaration, FMU in fmu.py."""
+        """The declaration, FMU in fmu.py, with all variables and the system that runs."""
+        return self.declaration()._replace(system=self._system())
+
+    def declaration(self) -> Fmu:
+        """The same, without the system."""
         fmu = getattr(self.module("fmu"), "FMU", None)
         source = self.path / "fmu.py"
         if not isinstance(fmu, Fmu):
@@ -86,13 +124,35 @@ class Folder:
                 f"{source} declares an FMU {fmu.name!r}: call it {self.name!r}, or rename the"
                 " folder"
             )
+        if not self.has("kernel"):
+            fmu = fmu._replace(variables=variables_of(self.derived().variables, fmu.variables))
         return fmu
 
+    def _system(self) -> System:
+        """What makes engines: of a plant, `model` in kernel.py, or of a controller, `law`."""
+        kernel = self.module("kernel")
+        if hasattr(kernel, "model"):
+            return Plant(kernel.model)
+        if hasattr(kernel, "law"):
+            return Controller(kernel.law)
+        raise CurveboundError(
+            f"{self.path / 'kernel.py'} defines neither model(choices), which gives the Model of a "
+            "plant, nor law(), which gives a controller's Law"
+        )
+
     def drawing(self) -> Drawing:
-        """DRAWING in drawing.py, completed; without one it has plots only."""
-        has = (self.path / "drawing.py").is_file()
-        drawing: Drawing = self.module("drawing").DRAWING if has else Drawing()
-        return complete(drawing, self.fmu())
+        """DRAWING in drawing.py, completed; without one there are the masses, or plots only."""
+        drawing = Drawing()
+        if self.has("drawing"):
+            drawing = self.module("drawing").DRAWING
+        elif self.has("mechanics"):
+            derived = self.derived()
+            frame = derived.frame
+            drawing = Drawing(
+                points=tuple(Point(name, f"{name}.x", f"{name}.y") for name in derived.masses),
+                frame=(f"{frame}.x", f"{frame}.y") if frame else ("0", "0"),
+            )
+        return complete(drawing, self.declaration())
 
     def documentation(self) -> str:
         """HTML: equations, how to couple it, what accuracy costs."""
@@ -105,20 +165,45 @@ class Folder:
         return {path.name: path.read_bytes() for path in paths if path.is_file()}
 
     def sources(self) -> dict[str, str]:
-        """The modules that travel in the FMU: fmu.py and what it imports from the folder.
+        """The modules that travel in the FMU: the declaration, written anew, and the kernel.
 
-        Module, as it is imported here -> text.
+        Module, as it would be imported here -> text.
         """
         package = self._package()
-        found: dict[str, str] = {}
-        waiting = ["fmu"]
+        found = {f"{package}.{DECLARATION}": self._declaration_text()}
+        if not self.has("kernel"):
+            return {**found, f"{package}.kernel": self.derived().kernel}
+        waiting = ["kernel"]
         while waiting:
             name = waiting.pop()
-            path = self.path / f"{name}.py"
             if f"{package}.{name}" not in found:
+                path = self.path / f"{name}.py"
                 found[f"{package}.{name}"] = path.read_text(encoding="utf-8")
                 waiting += sorted(_siblings(path))
         return dict(sorted(found.items()))
+
+    def _declaration_text(self) -> str:
+        """A module with what an FMU needs of its declaration while it runs."""
+        fmu = self.fmu()
+        face = type(fmu.system).__name__
+        factory = _FACTORIES[face]
+        own = {"name": fmu.name, "description": fmu.description}
+        own |= {"stop_time": fmu.stop_time, "step_size": fmu.step_size}
+        lines = [
+            "from curvebound.fmi.declaration import Enumeration, Fmu, Variable",
+            f"from curvebound.fmi.{face.lower()} import {face}",
+            "",
+            f"from .kernel import {factory}",
+            "",
+            "FMU = Fmu(",
+            *(f"    {name}={value!r}," for name, value in own.items()),
+            f"    system={face}({factory}),",
+            "    variables=(",
+            *(f"        {variable!r}," for variable in fmu.variables),
+            "    ),",
+            ")",
+        ]
+        return "\n".join([*lines, ""])
 
 
 def _siblings(path: Path) -> set[str]:

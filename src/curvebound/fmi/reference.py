@@ -54,6 +54,7 @@ def reference_result(fmu: Fmu, *, exact: bool = True) -> ReferenceResult:
 
     Raises RuntimeError where the experiment fails, which is a mistake in the declaration.
     """
+    assert fmu.system is not None
     engine = fmu.system.create(table_of(fmu), "")
     by_name = engine.table.by_name
     choices = {v.name: v for v in fmu.variables if v.kind == CHOICE}

@@ -68,6 +68,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         self.instance_name = kwargs["instance_name"]
         self.resources = kwargs.get("resources")
         self.modelName = self.fmu.name
+        assert self.fmu.system is not None
         self.engine: Engine = self.fmu.system.create(table_of(self.fmu), self.guid_text)
         for name, own in _ENGINE.items():
             setattr(self, name, getattr(self.engine, own))
