@@ -267,7 +267,7 @@ def test_other_sources_are_another_fmu_in_another_place(
     copytree(SOURCES, copy / "src", ignore=ignored)
     copytree(SOURCES.parent / "fmus", copy / "fmus", ignore=ignored)
     (copy / "LICENSE").write_bytes((SOURCES.parent / "LICENSE").read_bytes())
-    model = copy / "src" / "curvebound" / "models" / "bead_base.py"
+    model = copy / "fmus" / "bead_on_wire" / "base.py"
     model.write_text(model.read_text() + "\n# another branch\n")
     script = (
         "from curvebound.fmi import compile as kernel\n"

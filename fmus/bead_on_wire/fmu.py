@@ -6,9 +6,7 @@ motion relative to the wire.
 
 from curvebound.fmi.common import ENERGY, GRAVITY, SOLVER
 from curvebound.fmi.declaration import Enumeration, Fmu, choice, input_, output, parameter
-from curvebound.fmi.plant import Plant
 from curvebound.fmi.ranges import Angle, Items, Range
-from curvebound.models.bead_on_wire import bead_on_wire
 
 FORMULATION = Enumeration(
     "Formulation",
@@ -32,7 +30,6 @@ STABILIZATION = Enumeration(
 FMU = Fmu(
     name="BeadOnWire",
     description="Bead on a circular wire in a vertical plane, with viscous damping",
-    system=Plant(bead_on_wire),
     variables=(
         *GRAVITY,
         parameter("wire.radius", "m", 1.0, "radius of the wire (above zero)", above=0.0),

@@ -4,9 +4,7 @@ A waveform plus state feedback, limited and optionally sampled:
 parabola.ax = -K (measurement - reference) + waveform.
 """
 
-from curvebound.fmi.controller import Controller
 from curvebound.fmi.declaration import Enumeration, Fmu, Variable, choice, input_, output, parameter
-from curvebound.models.parabola_drive import ParabolaDrive
 
 WAVEFORM = Enumeration(
     "Waveform",
@@ -38,7 +36,6 @@ def gain(name: str, unit: str, of: str) -> Variable:
 FMU = Fmu(
     name="ParabolaDrive",
     description="Controller that drives the parabola: waveform plus state feedback",
-    system=Controller(ParabolaDrive),
     variables=(
         gain("slider_u", "1/s2", "slider.u"),
         gain("slider_u_rate", "1/s", "slider.u_rate"),

@@ -6,9 +6,7 @@ slider and bob; damping acts along the parabola and on the pendulum's rotation.
 
 from curvebound.fmi.common import ENERGY, GRAVITY, SOLVER
 from curvebound.fmi.declaration import Enumeration, Fmu, choice, input_, output, parameter
-from curvebound.fmi.plant import Plant
 from curvebound.fmi.ranges import Angle, Items, Range
-from curvebound.models.parabola_pendulum import parabola_pendulum
 
 FIDELITY = Enumeration(
     "Fidelity",
@@ -22,7 +20,6 @@ FIDELITY = Enumeration(
 FMU = Fmu(
     name="ParabolaPendulum",
     description="Pendulum that hangs from a mass sliding on a parabola, driven and damped",
-    system=Plant(parabola_pendulum),
     variables=(
         *GRAVITY,
         parameter(

@@ -98,7 +98,7 @@ def test_adding_and_editing_a_system_changes_no_other(tmp_path: Path) -> None:
     build(other, tmp_path / "a", compiled=False)
     assert build(one, tmp_path / "b", compiled=False).path.read_bytes() == alone.read_bytes()
     before = build(other, tmp_path / "b", compiled=False).path.read_bytes()
-    with (other / "fmu.py").open("a") as file:
+    with (other / "kernel.py").open("a") as file:
         file.write("# edited\n")
     assert build(one, tmp_path / "c", compiled=False).path.read_bytes() == alone.read_bytes()
     assert build(other, tmp_path / "c", compiled=False).path.read_bytes() != before

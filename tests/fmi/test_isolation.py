@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from driven import MODELS, drive
 from harness import OK, Extracted, Instance
-from source_copies import build_from, copy_sources, replace_once
+from source_copies import build_from, copy_sources, declarations, replace_once
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def other_version(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("other")
     package = copy_sources(root)
     replace_once(
-        package / "models" / "bead_cartesian.py",
+        declarations(package) / "bead_on_wire" / "cartesian.py",
         "return -self.m * push / pp",
         "return -self.m * push / pp * 2.0",
     )

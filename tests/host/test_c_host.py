@@ -245,7 +245,7 @@ def two_builds(tmp_path_factory, unpack):
                 checkout / part, root / part, ignore=shutil.ignore_patterns("__pycache__")
             )
         shutil.copy(checkout / "LICENSE", root)
-        source = root / "src" / "curvebound" / "models" / "bead_base.py"
+        source = root / "fmus" / "bead_on_wire" / "base.py"
         text = source.read_text()
         assert "kinetic = 0.5 *" in text
         source.write_text(text.replace("kinetic = 0.5 *", f"kinetic = {factor} *"))

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from small_models import Oscillator, Pendulum, Sliding, march, set_jacobian
 
+from curvebound.fmi.folder import find
 from curvebound.kernel import elimination, radau_tables
 from curvebound.kernel.adaptive import Adaptive
 from curvebound.kernel.elapsed import Elapsed
 from curvebound.kernel.method import DONE, TOO_MANY_STEPS
 from curvebound.kernel.methods import create
-from curvebound.models.bead_on_wire import bead_on_wire
+
+bead_on_wire = find("BeadOnWire").module("kernel").model
 
 S = radau_tables.STAGES
 A = np.array(radau_tables.A).reshape(S, S)

@@ -10,9 +10,11 @@ import mpmath
 import pytest
 import sympy as sp
 
+from curvebound.fmi.folder import find
 from curvebound.kernel.base import acceleration_of, jacobian_of
 from curvebound.kernel.rk4 import RK4
-from curvebound.models.bead_on_wire import bead_on_wire
+
+bead_on_wire = find("BeadOnWire").module("kernel").model
 
 ANGLE = {"model.formulation": 2, "constraint.stabilization": 3}
 NONE = {"model.formulation": 1, "constraint.stabilization": 1}

@@ -8,9 +8,11 @@ from typing import Any
 import mpmath as mp
 import pytest
 
+from curvebound.fmi.folder import find
 from curvebound.kernel.method import DONE
 from curvebound.kernel.methods import create
-from curvebound.models.parabola_pendulum import parabola_pendulum
+
+parabola_pendulum = find("ParabolaPendulum").module("kernel").model
 
 LINEAR = {"model.fidelity": 1}
 

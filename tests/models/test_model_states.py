@@ -7,9 +7,11 @@ from typing import Any
 
 import pytest
 
+from curvebound.fmi.folder import find
 from curvebound.kernel.rk4 import RK4
-from curvebound.models.bead_on_wire import bead_on_wire
-from curvebound.models.parabola_pendulum import parabola_pendulum
+
+bead_on_wire = find("BeadOnWire").module("kernel").model
+parabola_pendulum = find("ParabolaPendulum").module("kernel").model
 
 KINDS: dict[str, tuple[Any, dict[str, int]]] = {
     "none": (bead_on_wire, {"model.formulation": 1, "constraint.stabilization": 1}),

@@ -8,7 +8,9 @@ from typing import Any
 import mpmath
 import pytest
 
-from curvebound.models.parabola_drive import ParabolaDrive
+from curvebound.fmi.folder import find
+
+ParabolaDrive = find("ParabolaDrive").module("kernel").ParabolaDrive
 
 DEFAULTS = {
     "feedback.slider_u": 0.0,

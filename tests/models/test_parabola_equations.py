@@ -9,8 +9,11 @@ from typing import Any
 import mpmath
 import pytest
 
+from curvebound.fmi.folder import find
 from curvebound.kernel.base import acceleration_of, jacobian_of
-from curvebound.models.parabola_pendulum import ParabolaNonlinear, parabola_pendulum
+
+ParabolaNonlinear = find("ParabolaPendulum").module("kernel").ParabolaNonlinear
+parabola_pendulum = find("ParabolaPendulum").module("kernel").model
 
 NONLINEAR = {"model.fidelity": 2}
 LINEAR = {"model.fidelity": 1}

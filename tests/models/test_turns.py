@@ -9,10 +9,12 @@ from typing import Any
 import mpmath
 import pytest
 
+from curvebound.fmi.folder import find
 from curvebound.kernel.angles import TURN, TURN_REST, reduce_angle, unwind
 from curvebound.kernel.rk4 import RK4
-from curvebound.models.bead_on_wire import bead_on_wire
-from curvebound.models.parabola_pendulum import parabola_pendulum
+
+bead_on_wire = find("BeadOnWire").module("kernel").model
+parabola_pendulum = find("ParabolaPendulum").module("kernel").model
 
 ANGLE = {"model.formulation": 2, "constraint.stabilization": 3}
 CARTESIAN = [{"model.formulation": 1, "constraint.stabilization": n} for n in (1, 2, 3)]

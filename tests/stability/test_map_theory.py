@@ -7,11 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from curvebound.fmi.folder import find
 from curvebound.kernel.methods import METHODS, create
-from curvebound.models.parabola_pendulum import parabola_pendulum
 from curvebound.study.stability.motion import Motion
 from curvebound.study.stability.ranges import sampled
 from curvebound.study.stability.theory import FACTOR, boundary, jacobians, step_matrix, swings
+
+parabola_pendulum = find("ParabolaPendulum").module("kernel").model
 
 EXPLICIT = ("explicit_euler", "semi_implicit_euler", "rk4")
 

@@ -9,9 +9,11 @@ import pytest
 from hypothesis import strategies as st
 from properties import FMUS, counts, holds, rate, run, run_or_none, sampled
 
+from curvebound.fmi.folder import find
 from curvebound.kernel.base import acceleration_of
-from curvebound.models.bead_on_wire import bead_on_wire
-from curvebound.models.parabola_pendulum import parabola_pendulum
+
+bead_on_wire = find("BeadOnWire").module("kernel").model
+parabola_pendulum = find("ParabolaPendulum").module("kernel").model
 
 EPSILON = float(np.finfo(float).eps)
 

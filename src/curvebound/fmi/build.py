@@ -10,8 +10,9 @@ import sys
 import tempfile
 import time
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
 from pythonfmu.builder import FmuBuilder
@@ -31,7 +32,7 @@ __all__ = ["BuiltFmu", "build"]
 _MAIN = """\
 from {package}.fmi import slave
 
-from {system}.fmu import FMU
+from {system}.declaration import FMU
 
 
 class {name}(slave.Slave):
@@ -46,7 +47,7 @@ import sys
 
 from {package}.fmi import slave, wrapped
 
-from {system}.fmu import FMU
+from {system}.declaration import FMU
 
 if sys.platform not in {own!r}:
     wrapped.hold(globals())
@@ -172,25 +173,29 @@ def _pack(name: str, main: str, texts: dict[str, bytes]) -> dict[str, bytes]:
 
 @contextlib.contextmanager
 def _own_modules(*names: str) -> Iterator[None]:
-    """Leave neither sys.path nor sys.modules changed: PythonFMU's builder imports what it packs."""
+    """Leave neither sys.path nor sys.modules changed: PythonFMU's builder imports what it packs.
+
+    Modules of these names that an FMU which ran here has left are set aside meanwhile.
+    """
     path = sys.path[:]
+    left = _taken(names)
     writes = sys.dont_write_bytecode
     sys.dont_write_bytecode = True
-    _forget(names)
     importlib.invalidate_caches()
     try:
         yield
     finally:
         sys.path[:] = path
         sys.dont_write_bytecode = writes
-        _forget(names)
+        _taken(names)
+        sys.modules.update(left)
         importlib.invalidate_caches()
 
 
-def _forget(names: tuple[str, ...]) -> None:
-    for module in list(sys.modules):
-        if module.split(".")[0] in names:
-            del sys.modules[module]
+def _taken(names: Collection[str]) -> dict[str, ModuleType]:
+    """The modules and packages of these names, out of sys.modules."""
+    found = [module for module in sys.modules if module.split(".")[0] in names]
+    return {module: sys.modules.pop(module) for module in found}
 
 
 def _isolate(files: dict[str, bytes], package: str) -> None:

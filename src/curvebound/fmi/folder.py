@@ -187,7 +187,7 @@ class Folder:
         fmu = self.fmu()
         face = type(fmu.system).__name__
         factory = _FACTORIES[face]
-        own = {"name": fmu.name, "description": fmu.description}
+        own: dict[str, object] = {"name": fmu.name, "description": fmu.description}
         own |= {"stop_time": fmu.stop_time, "step_size": fmu.step_size}
         lines = [
             "from curvebound.fmi.declaration import Enumeration, Fmu, Variable",

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..compiling.translate import absolute
-from .folder import Folder
+from .folder import DECLARATION, Folder
 
 __all__ = ["Runtime", "SystemSources", "runtime", "system_sources"]
 
@@ -26,7 +26,6 @@ _ROOT = "curvebound"
 _INTERPRETED = (
     "kernel/__init__.py",
     "fmi/__init__.py",
-    "fmi/common.py",
     "fmi/declaration.py",
     "fmi/loading.py",
     "fmi/ranges.py",
@@ -62,13 +61,7 @@ class Runtime(NamedTuple):
         names = [name.replace(_ROOT, package, 1) for name in self.kernel]
         files[f"{package}/__init__.py"] = _init(
             self.extension if compiled else "",
-            [
-                *names,
-                *(
-                    f"{package}.fmi.{name}"
-                    for name in ("common", "declaration", "slave", "wrapped")
-                ),
-            ],
+            [*names, *(f"{package}.fmi.{name}" for name in ("declaration", "slave", "wrapped"))],
             names,
         )
         return files
@@ -77,7 +70,7 @@ class Runtime(NamedTuple):
 class SystemSources(NamedTuple):
     """One reading of the modules of a system's folder that travel in its FMU."""
 
-    #: fmu.py and what it imports: module -> text
+    #: declaration and kernel: module -> text
     files: dict[str, str]
     #: what is compiled of them
     kernel: dict[str, str]
@@ -131,24 +124,11 @@ def runtime() -> Runtime:
 def system_sources(folder: Folder, core: Runtime) -> SystemSources:
     """Read what an FMU carries of a system's folder."""
     files = folder.sources()
-    for name, text in list(files.items()):
-        _add_models(files, name, text)
-    kernel = {name: text for name, text in files.items() if name.rpartition(".")[2] != "fmu"}
-    stems = {name.rpartition(".")[2]: text for name, text in kernel.items()}
-    return SystemSources(
-        files, kernel, f"{folder.name}_kernel_{_digest(core.extension.encode(), **stems)}"
-    )
-
-
-def _add_models(files: dict[str, str], module: str, text: str) -> None:
-    """Add the models of curvebound.models that a module imports, and those that these do."""
-    for node in ast.parse(text).body:
-        if isinstance(node, ast.ImportFrom):
-            source = absolute(module, node)
-            if source.startswith(f"{_ROOT}.models.") and source not in files:
-                path = _PACKAGE / "models" / f"{source.rpartition('.')[2]}.py"
-                files[source] = path.read_text(encoding="utf-8")
-                _add_models(files, source, files[source])
+    stems = {name.rpartition(".")[2]: name for name in files}
+    kernel = {name: files[name] for stem, name in stems.items() if stem != DECLARATION}
+    texts = {stem: files[name] for stem, name in stems.items() if stem != DECLARATION}
+    digest = _digest(core.extension.encode(), **texts)
+    return SystemSources(files, kernel, f"{folder.name}_kernel_{digest}")
 
 
 def _digest(*parts: bytes, **named: bytes | str) -> str:

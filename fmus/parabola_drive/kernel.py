@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
-from ..kernel.law import Law
+from curvebound.kernel.law import Law
 
-__all__ = ["ParabolaDrive"]
+__all__ = ["ParabolaDrive", "law"]
 
 NO_WAVEFORM: Final = 1
 SINE: Final = 2
@@ -344,3 +344,8 @@ class ParabolaDrive(Law):
             values[first + 2] = self.coefficient
         else:
             values[first + 1], values[first + 2] = self.prescribed(sample)
+
+
+def law() -> ParabolaDrive:
+    """The drive."""
+    return ParabolaDrive()

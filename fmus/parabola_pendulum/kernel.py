@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Final
 
-from .parabola_base import ParabolaBase
-from .parabola_linear import ParabolaLinear
-from .parabola_nonlinear import ParabolaNonlinear
+from .base import ParabolaBase
+from .linear import ParabolaLinear
+from .nonlinear import ParabolaNonlinear
 
-__all__ = ["ParabolaLinear", "ParabolaNonlinear", "parabola_pendulum"]
+__all__ = ["ParabolaLinear", "ParabolaNonlinear", "model"]
 
 LINEAR: Final = 1
 NONLINEAR: Final = 2
 
 
-def parabola_pendulum(choices: dict[str, int]) -> ParabolaBase:
+def model(choices: dict[str, int]) -> ParabolaBase:
     """The pendulum in the fidelity that model.fidelity names; raises ValueError for no such."""
     fidelity = choices["model.fidelity"]
     if fidelity == LINEAR:

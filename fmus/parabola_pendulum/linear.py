@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from .parabola_nonlinear import ParabolaNonlinear
+from .nonlinear import ParabolaNonlinear
 
 __all__ = ["ParabolaLinear"]
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Final
 
-from .bead_angle import BeadAngle
-from .bead_base import BeadBase
-from .bead_cartesian import BeadCartesian
+from .angle import BeadAngle
+from .base import BeadBase
+from .cartesian import BeadCartesian
 
-__all__ = ["BeadAngle", "BeadCartesian", "bead_on_wire"]
+__all__ = ["BeadAngle", "BeadCartesian", "model"]
 
 LAGRANGE_MULTIPLIER: Final = 1
 ANGLE: Final = 2
 
 
-def bead_on_wire(choices: dict[str, int]) -> BeadBase:
+def model(choices: dict[str, int]) -> BeadBase:
     """The bead in the formulation that model.formulation names; raises ValueError for no such."""
     formulation = choices["model.formulation"]
     if formulation == LAGRANGE_MULTIPLIER:

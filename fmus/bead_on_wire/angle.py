@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ..kernel.angles import TURN, unwind
-from .bead_base import BeadBase
+from curvebound.kernel.angles import TURN, unwind
+
+from .base import BeadBase
 
 __all__ = ["BeadAngle"]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
-from ..kernel.frame import FramedModel
+from curvebound.kernel.frame import FramedModel
 
 __all__ = ["BeadBase"]
 

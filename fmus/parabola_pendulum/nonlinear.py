@@ -20,8 +20,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..kernel.angles import TURN
-from .parabola_base import ParabolaBase
+from curvebound.kernel.angles import TURN
+
+from .base import ParabolaBase
 
 __all__ = ["ParabolaNonlinear"]
 

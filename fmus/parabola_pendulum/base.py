@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
-from ..kernel.angles import unwind
-from ..kernel.frame import FramedModel
+from curvebound.kernel.angles import unwind
+from curvebound.kernel.frame import FramedModel
 
 __all__ = ["ParabolaBase"]
 

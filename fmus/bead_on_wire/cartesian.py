@@ -12,8 +12,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..kernel.angles import TURN, nearest_whole, unwind
-from .bead_base import BeadBase
+from curvebound.kernel.angles import TURN, nearest_whole, unwind
+
+from .base import BeadBase
 
 __all__ = ["BeadCartesian"]
 

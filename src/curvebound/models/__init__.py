@@ -1,1 +1,0 @@
-"""Equations of motion: one file per system, on the standard library alone."""
