@@ -382,7 +382,7 @@ class Collocation:
                 if sweep > 1 and contraction > SLOWEST:
                     if not known:
                         known = True
-                        rounding.find(model, t, a0, b0)
+                        rounding.estimate(model, t, a0, b0)
                         noise0 = rounding.noise0
                         noise1 = rounding.noise1
                     if not change <= h * (noise0 * scale0 + noise1 * scale1):
@@ -399,7 +399,7 @@ class Collocation:
                     return error
                 known = True
                 # less what is rounding, which shorter steps have too
-                rounding.find(model, t, a0, b0)
+                rounding.estimate(model, t, a0, b0)
                 noise0 = rounding.noise0
                 noise1 = rounding.noise1
                 error = h * tail(a0, a1, a2, a3, a4, a5, a6, a7, noise0) * scale0

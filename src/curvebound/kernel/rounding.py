@@ -80,7 +80,7 @@ class Rounding:
         """Whether accelerations are rounding, by what was found last."""
         return math.fabs(a0) <= self.noise0 and math.fabs(a1) <= self.noise1
 
-    def find(self, model: Model, t: float, a0: float, a1: float) -> None:
+    def estimate(self, model: Model, t: float, a0: float, a1: float) -> None:
         """Find what the rounding of the present state makes of its accelerations (a0, a1).
 
         By the slopes, and the scatter seen before. A model without Jacobian is looked at closely.
@@ -109,7 +109,7 @@ class Rounding:
         That shows what cancels within them, too, and so do accelerations that were larger.
         """
         self.look(model, t, a0, a1)
-        self.find(model, t, a0, a1)
+        self.estimate(model, t, a0, a1)
 
     def look(self, model: Model, t: float, a0: float, a1: float) -> None:
         """Include the scatter, and half of what was seen of it before, for a few values err."""

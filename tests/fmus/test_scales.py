@@ -10,8 +10,10 @@ from typing import Any
 
 import pytest
 
-from curvebound.models.bead_on_wire import bead_on_wire
-from curvebound.models.parabola_pendulum import parabola_pendulum
+from curvebound.fmi.folder import find
+
+bead_on_wire = find("BeadOnWire").module("kernel").model
+parabola_pendulum = find("ParabolaPendulum").module("kernel").model
 
 ANGLE = {"model.formulation": 2, "constraint.stabilization": 3}
 CARTESIAN = {"model.formulation": 1, "constraint.stabilization": 3}

@@ -1,0 +1,49 @@
+"""Each check fails, and says why, on a system with the fault that it is there for."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from curvebound import checks
+from curvebound.fmi.folder import find
+
+FAULTS: dict[Callable[[Path], None], tuple[str, str, str]] = {
+    checks.kernel_follows_mechanics: (
+        "a0 -= k * v0",
+        "a0 -= 1.0001 * k * v0",
+        "the acceleration of bead.angle is",
+    ),
+    checks.keeps_the_balance_of_energy: (
+        "along = r * a0",
+        "along = 1.0001 * r * a0",
+        "energy.residual reaches",
+    ),
+    checks.methods_have_their_orders: (
+        "a0 = self.uy * math.sin(q0)",
+        "a0 = self.uy * math.sin(q0) + (1.0 if q0 > 1.2 else 0.0)",
+        "rk4 has order 4, but its error falls as",
+    ),
+    checks.saves_its_whole_state: (
+        "k = self.k\n",
+        "self.k += 1e-6\n        k = self.k\n",
+        "differ after fmi2SetFMUstate",
+    ),
+}
+
+
+@pytest.mark.parametrize("check", FAULTS, ids=lambda check: check.__name__)
+def test_a_fault_is_found(check: Callable[[Path], None], tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_: "it takes too long here")
+    folder = tmp_path / "bead_on_wire"
+    shutil.copytree(find("BeadOnWire").path, folder)
+    old, new, said = FAULTS[check]
+    source = folder / "angle.py"
+    assert source.read_text().count(old) == 1
+    source.write_text(source.read_text().replace(old, new))
+    with pytest.raises(AssertionError, match=said) as caught:
+        check(folder)
+    assert "model.formulation = angle: " in str(caught.value)
