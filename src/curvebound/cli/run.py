@@ -45,6 +45,9 @@ def run(options: argparse.Namespace) -> int:
     from ..cosim.command import run_all, summarize
 
     scene = load_scene(options.scene)
+    drawn = options.replay is not None or options.picture is not None or options.gif is not None
+    if drawn and not scene.recorded:  # more than what the scene needs, to see it move
+        scene.record(*(f"{name}.*" for name in scene.components))
     results = run_all(scene, options, summarize)
     if options.replay is not None:
         from ..files import inside
