@@ -27,7 +27,7 @@ from .controller import Controller
 from .declaration import Fmu
 from .drawing import Drawing, Point, complete
 from .engine import System
-from .implied import variables_of
+from .implied import complete_variables
 from .plant import Plant
 
 __all__ = ["BESIDE", "DECLARATION", "Folder", "find", "names", "shipped_drawings", "systems_in"]
@@ -125,7 +125,7 @@ class Folder:
                 " folder"
             )
         if not self.has("kernel"):
-            fmu = fmu._replace(variables=variables_of(self.derived().variables, fmu.variables))
+            fmu = fmu._replace(variables=complete_variables(fmu.variables, self.derived()))
         return fmu
 
     def _system(self) -> System:
