@@ -22,8 +22,7 @@ __all__ = ["Contexts", "environment_of"]
 
 HERE = Path(__file__).resolve().parent
 #: what runs inside of an FMU, compiled as a rule, so that coverage does not see it there
-IN_FMUS = ("src/curvebound/models/", "src/curvebound/kernel/",
-           "src/curvebound/fmi/", "fmus/")  # fmt: skip
+IN_FMUS = ("src/curvebound/kernel/", "src/curvebound/fmi/", "fmus/")
 
 
 def environment_of(copy: Path, cache: Path) -> dict[str, str]:

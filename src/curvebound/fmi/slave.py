@@ -21,11 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["Slave", "StateError", "table_of"]
 
 _KINDS = (PARAMETER, CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, COUNT)
-<<<<<<< HEAD
 #: by the declaration's id, with the declaration, so that the id stays its own
-=======
-#: an FMU and its table, by its id, which stays its own as long as it is here
->>>>>>> 888e59f (The kernels of the systems move into their folders; an FMU carries its own alone)
 _TABLES: dict[int, tuple[Fmu, Table]] = {}
 
 
