@@ -204,7 +204,8 @@ class PlantEngine(Engine):
             return
         # a communication point at a turning point shows little of what moves between them
         watch.moved = max(watch.moved, self.swing())
-        if not watch.exceeds(residual, model.balance(0.0)[1]):
+        model.balance(0.0)
+        if not watch.exceeds(residual, model.balance_size):
             return
         by_step = not self.method.CHOOSES_STEP
         elapsed = self.time - self.begin
@@ -229,17 +230,22 @@ class PlantEngine(Engine):
         model = self.model
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         try:
-            a0, a1 = model.acceleration(0.0, q0, q1, 0.0, 0.0)
-            j = model.jacobian(0.0, q0, q1, v0, v1)
-            squared = abs(j[0]) + abs(j[3]) + abs(a0) / model.q0_scale + abs(a1) / model.q1_scale
-            rate = math.sqrt(squared) + abs(j[4]) + abs(j[7])
+            model.acceleration(0.0, q0, q1, 0.0, 0.0)
+            a0 = model.a0
+            a1 = model.a1
+            model.jacobian(0.0, q0, q1, v0, v1)
+            squared = abs(model.a0_q0) + abs(model.a1_q1)
+            squared += abs(a0) / model.q0_scale + abs(a1) / model.q1_scale
+            rate = math.sqrt(squared) + abs(model.a0_v0) + abs(model.a1_v1)
             if rate == 0.0:
                 return 0.0
             model.v0 = model.v1 = 0.0
-            at_rest = model.balance(0.0)[0]
+            model.balance(0.0)
+            at_rest = model.balance_energy
             model.v0 = a0 / rate
             model.v1 = a1 / rate
-            swing = model.balance(0.0)[0] - at_rest
+            model.balance(0.0)
+            swing = model.balance_energy - at_rest
         except (ZeroDivisionError, OverflowError, ValueError, NotImplementedError):
             swing = 0.0
         model.v0 = v0
