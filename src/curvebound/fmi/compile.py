@@ -6,6 +6,7 @@ import importlib
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
@@ -15,10 +16,11 @@ from ..compiling.extension import FLAGS, SUFFIXES, compile_c, cython_version, he
 from ..compiling.toolchain import HERE, PLATFORMS, compiler_for, compiler_parts
 from ..compiling.translate import translate
 from ..errors import CurveboundError
-from ..places import compiled_directory
-from .runtime import Runtime, SystemSources, runtime
+from ..places import compiled_directory, fmus_directory
+from .folder import systems_in
+from .runtime import Runtime, SystemSources, runtime, system_sources
 
-__all__ = ["Compiled", "compile_kernel", "extension", "load_compiled", "why_not"]
+__all__ = ["Compiled", "compile_kernel", "extension", "load_compiled", "why_not", "write_shipped"]
 
 #: what Python calls of the compiled kernel: class -> attributes and methods, "" -> functions
 _VISIBLE = {
@@ -115,6 +117,23 @@ def _c_sources(core: Runtime, system: SystemSources | None) -> Path:
 
     name = system.extension if system else core.extension
     return cache.entry("kernel-sources", [name, cython_version()], make)
+
+
+def write_shipped(folder: Path) -> Iterator[str]:
+    """Compile what comes with the package into `folder`; yields what it has to do without, and why.
+
+    Needs nothing beyond the standard library and Cython.
+    """
+    core = runtime()
+    systems = [system_sources(system, core) for system in systems_in(fmus_directory())]
+    for target in PLATFORMS:
+        missing = why_not(target)
+        if missing:
+            yield f"for {target}: {missing}"
+            continue
+        for unit in (None, *systems):
+            name = f"{unit.extension if unit else core.extension}{SUFFIXES[target]}"
+            (folder / name).write_bytes(extension(target, core, unit))
 
 
 def load_compiled(system: SystemSources) -> tuple[ModuleType, ModuleType]:

@@ -52,7 +52,9 @@ class Runtime(NamedTuple):
 
     def package(self, *, compiled: bool) -> str:
         """Name of the package inside an FMU; compiled and interpreted ones do not share modules."""
-        return f"{_ROOT}_{self.digest}{'c' if compiled else ''}"
+        # it holds modules of PythonFMU, too
+        digest = _digest(self.digest.encode(), version("pythonfmu").encode())
+        return f"{_ROOT}_{digest}{'c' if compiled else ''}"
 
     def text(self, *, compiled: bool) -> dict[str, bytes]:
         """The package: path below the FMU's resources -> content."""
@@ -116,7 +118,7 @@ def runtime() -> Runtime:
     files = {name: (_PACKAGE / name).read_bytes() for name in (*compiled, *_INTERPRETED)}
     modules = {f"{_ROOT}.{name[:-3].replace('/', '.')}": files[name].decode() for name in compiled}
     translator = [(_PACKAGE / "compiling" / f"{name}.py").read_bytes() for name in _TRANSLATOR]
-    digest = _digest(version("pythonfmu").encode(), *translator, **files)
+    digest = _digest(*translator, **files)
     extension = f"{_ROOT}_core_{_digest(*translator, **modules)}"
     return Runtime(files, modules, digest, extension)
 
