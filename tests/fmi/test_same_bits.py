@@ -99,5 +99,5 @@ def test_same_bits(
             if i % 10 == 0:
                 assert one.bits() == other.bits(), i
         assert one.bits() == other.bits()
-        assert one.messages == other.messages
+        assert one.messages == [m for m in other.messages if "runs interpreted" not in m[1]]
         assert one.inner_state() == other.inner_state()

@@ -54,9 +54,12 @@ def definitions(used: Iterable[str]) -> str:
         if plain in TO_WHOLE:
             text += (
                 f"cdef inline double {name}(double x) except? -3.3e-301:\n"
+                "    if x != x:\n"
+                '        raise ValueError("cannot convert float NaN to integer")\n'
                 "    if x - x != 0.0:\n"
                 '        raise OverflowError("cannot convert float infinity to integer")\n'
-                f"    return {plain}(x)\n"
+                # as an int has it, there is no negative zero
+                f"    return {plain}(x) + 0.0\n"
             )
         elif plain in _CHECKED:
             condition, error = _CHECKED[plain]

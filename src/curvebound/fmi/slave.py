@@ -6,6 +6,8 @@ Nothing here raises once an instance exists, but for what interrupts interpreted
 from __future__ import annotations
 
 import json
+import os
+import sys
 import zlib
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +15,7 @@ from pythonfmu.fmi2slave import Fmi2Slave
 
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu
 from .engine import Engine
-from .table import ERROR, Message, Table
+from .table import ERROR, WARNING, Message, Table
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -24,6 +26,11 @@ _KINDS = (PARAMETER, CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, COUNT)
 #: by the declaration's id, with the declaration, so that the id stays its own
 _TABLES: dict[int, tuple[Fmu, Table]] = {}
 
+
+#: FMUs of which it was said that they run interpreted
+_SAID: set[str] = set()
+#: files of extension modules -> the platform they are for
+_SUFFIXES = {".abi3.so": "linux64", ".pyd": "win64"}
 
 #: methods of the engine that stand for the slave's own, without a Python frame in between
 _ENGINE = {
@@ -57,6 +64,34 @@ def table_of(fmu: Fmu) -> Table:
     return _TABLES[id(fmu)][1]
 
 
+def interpreted(name: str, resources: str | None) -> str:
+    """What to say, once in a process, of an FMU whose code is not compiled for this Python."""
+    package = sys.modules.get(__name__.partition(".")[0])
+    reason = getattr(package, "NOT_COMPILED", "")
+    if not reason or name in _SAID:
+        return ""
+    _SAID.add(name)
+    import platform  # here only: it takes milliseconds, and most FMUs do without
+
+    files = os.listdir(resources) if resources and os.path.isdir(resources) else []
+    places = [
+        place for suffix, place in _SUFFIXES.items() if any(f.endswith(suffix) for f in files)
+    ]
+    version = ".".join(map(str, sys.version_info[:3]))
+    here = f"{sys.implementation.name} {version} on {sys.platform}, {platform.machine()}"
+    if not places:
+        return (
+            f"{name} runs interpreted, 25 to 70 times slower per step, in {here}, since it was "
+            "built without compiled code: build it where there is a C compiler, without "
+            "--no-compile"
+        )
+    return (
+        f"{name} runs interpreted, 25 to 70 times slower per step, in {here} ({reason}): it is "
+        f"compiled for CPython 3.10 and later on {' and '.join(places)}; let the tool use such a "
+        "Python, or build the FMU on a machine like this"
+    )
+
+
 class Slave(Fmi2Slave):  # type: ignore[misc]
     """Base of the generated main class of every FMU, which sets the class attributes."""
 
@@ -72,6 +107,9 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         self.engine: Engine = self.fmu.system.create(table_of(self.fmu), self.guid_text)
         for name, own in _ENGINE.items():
             setattr(self, name, getattr(self.engine, own))
+        warning = interpreted(self.modelName, self.resources)
+        if warning:
+            self.engine.say(WARNING, warning)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Replaced by the engine's method in each instance."""

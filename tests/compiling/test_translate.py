@@ -1,0 +1,186 @@
+"""What is translated does what Python does: numbers, exceptions, arrays, classes across modules."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from curvebound.compiling.extension import compile_c, write_c
+from curvebound.compiling.toolchain import HERE
+from curvebound.compiling.translate import translate
+from curvebound.errors import CurveboundError
+from curvebound.fmi.compile import why_not
+
+pytestmark = pytest.mark.skipif(bool(why_not()), reason=f"not compiled: {why_not()}")
+
+CORE = '''
+from __future__ import annotations
+
+import math
+from typing import Annotated, Final
+
+__all__ = ["Shape", "power", "root", "scaled", "sine", "total", "whole"]
+
+SIZE: Final = 3
+FACTOR: Final = 2.5
+Row = Annotated[list[float], SIZE]
+
+
+class Shape:
+    def __init__(self) -> None:
+        self.side: float = 1.0
+        self.count: int = 0
+        self.row: Row = [0.0] * SIZE
+
+    def area(self, short: float) -> float:
+        """The area, as far as it is known here."""
+        raise NotImplementedError
+
+    def measure(self, short: float) -> float:
+        self.count += 1
+        return self.area(short)
+
+    def divide(self, x: float) -> None:
+        if x == 1.0:
+            return
+        self.side /= x
+
+
+def sine(x: float) -> float:
+    return math.sin(x)
+
+
+def root(x: float) -> float:
+    return math.sqrt(x)
+
+
+def power(x: float) -> float:
+    return math.exp(x)
+
+
+def whole(x: float) -> float:
+    return float(math.floor(x))
+
+
+def scaled(x: float) -> tuple[float, float]:
+    return FACTOR * x, x / FACTOR
+
+
+def filled(row: Row, x: float) -> None:
+    for i in range(SIZE):
+        row[i] = x * i
+
+
+def total(x: float) -> float:
+    row: Row = [0.0] * SIZE
+    result = row[0] + row[1] + row[2]
+    filled(row, x)
+    for i in range(SIZE):
+        result += row[i]
+    return result
+'''
+
+SYSTEM = """
+from __future__ import annotations
+
+from .core_of_test import FACTOR, Shape
+
+__all__ = ["square"]
+
+
+class Square(Shape):
+    def area(self, short: float) -> float:
+        return self.side * short * FACTOR
+
+    def divide(self, x: float) -> None:
+        super().divide(x)
+        self.side += 1.0
+
+
+def square() -> Shape:
+    return Square()
+"""
+
+VISIBLE = {
+    "": ("power", "root", "scaled", "sine", "total", "whole"),
+    "Shape": ("side", "count", "measure", "divide"),
+}
+
+
+@pytest.fixture(scope="module")
+def forms(tmp_path_factory) -> Iterator[list[tuple[ModuleType, ModuleType]]]:
+    """Core and system, interpreted and compiled."""
+    folder: Path = tmp_path_factory.mktemp("forms")
+    package = folder / "package_of_test"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "core_of_test.py").write_text(CORE)
+    (package / "system_of_test.py").write_text(SYSTEM)
+    sys.path.insert(0, str(folder))
+    try:
+        names = ("package_of_test.core_of_test", "package_of_test.system_of_test")
+        core = translate("compiled_core_of_test", {names[0]: CORE}, None, VISIBLE)
+        system = translate("compiled_system_of_test", {names[1]: SYSTEM}, core)
+        for unit in (core, system):
+            compile_c(write_c(unit, folder, core), HERE)
+        importlib.invalidate_caches()
+        yield [
+            tuple(importlib.import_module(name) for name in names),  # type: ignore[misc]
+            (importlib.import_module(core.name), importlib.import_module(system.name)),
+        ]
+    finally:
+        sys.path.remove(str(folder))
+
+
+def outcome(function, x: float) -> object:
+    try:
+        return function(x)
+    except (ArithmeticError, ValueError) as error:
+        return type(error)
+
+
+@pytest.mark.parametrize("name", VISIBLE[""])
+def test_same_numbers_and_exceptions(forms, name: str) -> None:
+    (plain, _), (compiled, _) = forms
+    for x in (0.0, -0.0, 0.3, -2.5, 1e9, 709.0, 1e300, math.inf, -math.inf):
+        want = outcome(getattr(plain, name), x)
+        assert repr(outcome(getattr(compiled, name), x)) == repr(want), x
+    assert math.isnan(compiled.sine(math.nan))
+
+
+def test_classes_across_modules(forms) -> None:
+    results = []
+    for _, system in forms:
+        shape = system.square()
+        shape.divide(4.0)
+        shape.divide(1.0)
+        results.append((shape.measure(0.5), shape.measure(2.0), shape.side, shape.count))
+        with pytest.raises(ZeroDivisionError):
+            shape.divide(0.0)
+    assert results[0] == results[1] == (2.8125, 11.25, 2.25, 2)
+
+
+def test_what_cannot_be_translated_is_said(tmp_path, monkeypatch) -> None:
+    text = "class A:\n    @property\n    def x(self) -> float:\n        return 1.0\n"
+    (tmp_path / "decorated_of_test.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(CurveboundError, match=r"decorated_of_test, line \d+: x: no decorators"):
+        translate("compiled_of_test", {"decorated_of_test": text})
+
+
+def test_a_variable_that_lacks_its_type_is_named(tmp_path, monkeypatch) -> None:
+    text = (
+        "class A:\n    def __init__(self) -> None:\n        self.x: float = 1.0\n\n\n"
+        "def first(all: list[A]) -> float:\n    a = all[0]\n    return a.x\n"
+    )
+    (tmp_path / "untyped_of_test.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    unit = translate("compiled_of_test", {"untyped_of_test": text})
+    with pytest.raises(CurveboundError, match="annotate the variables of which x is used"):
+        write_c(unit, tmp_path, unit)
