@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import random
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from curvebound.study.stability import sample
 from curvebound.study.stability.characteristic import LONGEST, exact
 from curvebound.study.stability.motion import Motion
 from curvebound.study.stability.precise import solve
-from curvebound.study.stability.ranges import Point, draw, sampled
+from curvebound.study.stability.ranges import Point, draw, drawer, sampled
 from curvebound.study.stability.sample import Outcome, Settings, judge, run_sample
 from curvebound.study.stability.sample_report import passes, print_sample, write_sample
 
@@ -196,17 +197,27 @@ def test_a_loose_tolerance_is_called_wrong_and_a_short_limit_a_failure() -> None
     assert not passes(outcomes)
 
 
-def test_points_that_are_hard_to_judge() -> None:
-    """Point 776 of seed 2: a slider 6e7 times lighter than its bob, far up a parabola."""
+def test_points_that_are_hard_to_judge(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Point 776 of seed 2: a slider 6e7 times lighter than its bob, far up a parabola.
+
+    Its motion magnifies errors so much that references differ by 2e-6, too.
+    """
+    monkeypatch.setattr(sample, "ALLOWED", 1e-7)
     settings = Settings("ParabolaPendulum")
     worker = sample._Worker(settings)
-    outcome = worker.run(draw("pendulum", 777, 2)[776])
+    one = drawer("ParabolaPendulum")
+
+    def point(seed: int, number: int) -> Point:
+        """Points of samples that were drawn by another name of the system."""
+        return Point(number, one(random.Random(f"pendulum {seed} {number}")))
+
+    outcome = worker.run(point(2, 776))
     assert outcome.verdict == "warned"
     assert outcome.error < 1e-5
     assert "rounding alone may exceed solver.tolerance = 1e-08; choose a heavier" in outcome.message
     # a first sweep that met the end by chance, though not the way there, passed for the last one
     for number in (172, 1601):
-        outcome = worker.run(draw("pendulum", number + 1, 1)[number])
+        outcome = worker.run(point(1, number))
         assert outcome.verdict == "accurate"
         assert outcome.error < 5e-7
     tame = worker.prepared.run({"plant.pendulum.mass": 1e4})
@@ -223,8 +234,8 @@ def test_a_sample_is_summed_up_in_words(capsys: pytest.CaptureFixture[str]) -> N
     outcomes.append(Outcome(Point(7, {}), "failed", message="too many steps", seconds=0.5))
     print_sample(outcomes, Settings("ParabolaPendulum"), 11)
     assert capsys.readouterr().out.splitlines() == [
-        "pendulum, 200 points, seed 11, adaptive at 1e-08, 10 characteristic times: 199 accurate, "
-        "1 failed",
+        "ParabolaPendulum, 200 points, seed 11, adaptive at 1e-08, 10 characteristic times: "
+        "199 accurate, 1 failed",
         "relative error: median 1.0e-06, 99 % below 2.0e-06, largest 2.0e-06 (point 199, slider.u);"
         " allowed 1e-06",
         "work: median 10000 evaluations, most 19900 (point 199); slowest run 3.1 s",
