@@ -9,39 +9,48 @@ import pytest
 from curvebound.fmi.watch import Watch
 
 
-def test_looks_become_rarer_up_to_every_64th_step() -> None:
+def test_looks_are_due_when_the_steps_have_grown_by_a_quarter() -> None:
     watch = Watch()
-    looks = [step for step in range(1, 401) if watch.due()]
-    assert looks == [16, 32, 64, 128, 192, 256, 320, 384]
+    looks = [steps for steps in range(1, 41) if watch.due(steps)]
+    assert looks == [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 33]
+    # and at the latest after 512, however long the communication steps are
+    watch = Watch()
+    assert watch.due(100_000)
+    assert [steps for steps in range(100_000, 101_100, 4) if watch.due(steps)] == [100_512, 101_024]
 
 
-def energy(watch: Watch, residual: float, order: int = 1, change: float = 2.0) -> str:
-    return watch.energy(1.0, change, residual, order, "solver.step", 1e-2, 3.0)
+def moved(energy: float, steps: int = 0) -> Watch:
+    """After some steps, of a motion of this energy (J)."""
+    watch = Watch()
+    watch.moved, watch.seen = energy, steps
+    return watch
 
 
-@pytest.mark.parametrize(("order", "better"), [(1, "0.0002"), (2, "0.001"), (4, "0.004")])
-def test_the_step_to_try_follows_from_the_order(order: int, better: str) -> None:
-    """100 mJ of 2 J are 50 times a tenth of what is allowed: a step 50^(1/order) times shorter."""
-    message = energy(Watch(), 0.1, order)
+@pytest.mark.parametrize(
+    ("order", "growth", "better"),
+    [(1, 1.0, "0.0006"), (1, 2.0, "0.0003"), (2, 1.0, "0.002"), (4, 1.0, "0.005")],
+)
+def test_the_step_to_try_follows_from_the_order(order: int, growth: float, better: str) -> None:
+    """100 mJ of 2 J are 16.7 times three tenths of what is allowed: the step by 16.7^(1/order)."""
+    watch = moved(2.0)
+    message = watch.energy(0.1, growth, order, "solver.step", 1e-2, 3.0)
     assert f"try solver.step = {better} instead of 0.01" in message
     assert "energy.residual = 0.1 J at time 3 s" in message
+    assert watch.said_energy
+    assert moved(0.0).energy(0.1, growth, order, "solver.step", 1e-2, 3.0) == ""
 
 
 def test_a_hundredth_of_the_energy_that_moves_is_allowed() -> None:
-    watch = Watch()
-    assert energy(watch, 0.0199) == ""
-    assert energy(watch, -0.0201) != ""
-    assert energy(watch, 5.0) == ""  # said once
+    for sign in (1.0, -1.0):
+        assert not moved(2.0).exceeds(sign * 0.0199, 0.0)
+        assert moved(2.0).exceeds(sign * 0.0201, 0.0)
 
 
-def test_the_energy_that_moves_is_the_largest_so_far() -> None:
-    for most in (-2.0, 2.0):
-        watch = Watch()
-        assert energy(watch, 0.0, change=most) == ""
-        assert watch.energy(0.1, 0.1, 0.0199, 1, "solver.step", 1e-2, 4.0) == ""
-        assert watch.energy(0.1, 0.1, 0.0201, 1, "solver.step", 1e-2, 5.0) != ""
-    still = Watch()
-    assert still.energy(0.0, 0.0, 0.0, 1, "solver.step", 1e-2, 0.0) == ""
+def test_what_rounding_explains_is_allowed() -> None:
+    """16 roundings of what adds up to the residual, and one per root of the number of steps."""
+    noise = 2.0**-53 * (16.0 + 30.0) * 1e12
+    assert not moved(1e-9, 900).exceeds(0.99 * noise, 1e12)
+    assert moved(1e-9, 900).exceeds(1.01 * noise, 1e12)
 
 
 def test_a_drift_is_judged_by_the_size_of_the_curve() -> None:
