@@ -34,8 +34,9 @@ ROOT = Path(__file__).resolve().parents[2]
 SRC = "src/curvebound"
 #: room -> patterns of its files
 ROOMS = {
-    "models": (f"{SRC}/models/*.py", f"{SRC}/kernel/*.py", "fmus/**/*.py"),
-    "integrators": (f"{SRC}/kernel/*.py",),
+    "systems": ("fmus/**/*.py",),
+    "kernel": (f"{SRC}/kernel/*.py",),
+    "compiling": (f"{SRC}/compiling/*.py",),
     "mechanics": (f"{SRC}/mechanics/**/*.py",),
     "fmi": (f"{SRC}/fmi/**/*.py",),
     "native": (f"{SRC}/fmi/**/*.c",),
