@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-
 import pytest
 
+from curvebound.compiling import toolchain
 from curvebound.fmi import binaries
 
 
@@ -55,7 +54,9 @@ def test_a_compiler_that_fails_is_a_reason_and_not_an_error(fresh_cache, monkeyp
     assert binaries.why_not() == ""
 
 
-def test_other_systems(monkeypatch):
-    monkeypatch.setattr(sys, "platform", "darwin")
+def test_a_compiler_for_another_system_is_none_for_this(monkeypatch):
+    monkeypatch.setattr(toolchain, "HERE", "")
+    monkeypatch.setattr(toolchain.importlib.util, "find_spec", lambda name: None)
+    assert toolchain.compiler_for("linux64") is None
     assert binaries.compile_binary() is None
     assert "linux64" in binaries.why_not()
