@@ -136,6 +136,8 @@ def test_what_an_fmu_carries(fmus: Path, name: str) -> None:
         assert f"binaries/win64/{name}.dll" in names
         assert not [n for n in names if n.endswith(".pyc") or "__pycache__" in n or "\\" in n]
         modules = [n for n in names if n.startswith("resources/") and n.endswith(".py")]
+        # what studies read of the system, and the FMU does not run
+        modules = [n for n in modules if n.split("/")[1] not in ("mechanics.py", "reference.py")]
         imported = set()
         for module in modules:
             for node in ast.walk(ast.parse(archive.read(module))):

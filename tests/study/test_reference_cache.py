@@ -129,5 +129,13 @@ def test_the_code_of_a_reference_is_all_that_it_imports(tmp_path: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(reference_cache.cache, "sources", watch)
         reference_cache._code.__wrapped__()
-    assert {"reference.py", "monolith.py", "extrapolation.py", "parabola_pendulum.py"} <= seen
+    assert {"reference.py", "monolith.py", "extrapolation.py"} <= seen
     assert "tune.py" not in seen
+
+
+def test_a_changed_statement_is_another_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = short().check()
+    before = question(system, PATHS, 0.3, None, True)
+    texts = {"mechanics": "MECHANICS = another"}
+    monkeypatch.setattr(reference_cache, "stated_in", lambda fmu: texts)
+    assert question(system, PATHS, 0.3, None, True) != before

@@ -87,20 +87,22 @@ def test_the_same_model_counts_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("count", "spread", "under", "correlation", "words"),
+    ("count", "spread", "under", "correlation", "largest", "words"),
     [
-        (7, 2.0, 0.0, 1.0, "too few runs"),
-        (8, 29.0, 0.2, 0.91, "a measure of the error"),
-        (8, 31.0, 0.04, 0.91, "an upper bound"),
-        (8, 29.0, 0.04, 0.89, "an upper bound"),
-        (8, 31.0, 0.06, 0.71, "tells large errors from small ones"),
-        (8, 31.0, 0.04, 0.69, "a warning only"),
+        (7, 2.0, 0.0, 1.0, 1.0, "too few runs to tell"),
+        (8, 29.0, 0.2, 0.91, 50.0, "a measure of the error"),
+        (8, 31.0, 0.0, 0.91, 1.0, "an upper bound in these runs"),
+        (8, 29.0, 0.0, 0.89, 1.1, "never exceeded tenfold in these runs"),
+        (8, 31.0, 0.0, 0.69, 1.0, "an upper bound in these runs, which does not tell"),
+        (50, 31.0, 0.04, 0.71, 20.0, "mostly an upper bound, exceeded tenfold in 2 of 50 runs"),
+        (50, 31.0, 0.06, 0.71, 20.0, "tells large errors from small ones, not their size"),
+        (50, 31.0, 0.04, 0.69, 20.0, "a warning only: it can be small while"),
     ],
 )
 def test_the_verdict(
-    count: int, spread: float, under: float, correlation: float, words: str
+    count: int, spread: float, under: float, correlation: float, largest: float, words: str
 ) -> None:
-    made = Trust("m", "all", count, 1.0, 0.1, 0.1 * spread, under, correlation)
+    made = Trust("m", "all", count, 1.0, 0.1, 0.1 * spread, under, correlation, largest)
     assert made.verdict.startswith(words)
     assert made.sentence == (
         f"m: {made.verdict}. In nine of ten runs the true error is 1.0e-01 to "
@@ -152,7 +154,7 @@ def test_every_sentence() -> None:
         "At the same step of rk4, none has 30 times the error of angle.",
         "exact is free of numerical error, 4e-15 at macro steps of 0.01 s: rounding.",
         "Numerical error (angle): rk4 step^4.00, adaptive tolerance^1.25.",
-        "The cheapest: angle rk4 from 1e-02 on, angle adaptive from 1e-08 on. "
+        "The cheapest: angle rk4 from 1e-02 on; angle adaptive from 1e-08 on. "
         "No setting reaches 1e-12.",
     ]
     assert lessons([]) == []

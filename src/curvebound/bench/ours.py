@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,12 +18,6 @@ __all__ = [
     "leap_of_kernel",
     "method_items",
 ]
-
-#: FMU -> module of its models and the function there that picks one by the choices
-_FACTORIES = {
-    "BeadOnWire": ("models.bead_on_wire", "bead_on_wire"),
-    "ParabolaPendulum": ("models.parabola_pendulum", "parabola_pendulum"),
-}
 
 _STATES = {
     "BeadOnWire": ("bead.x", "bead.y", "bead.vx", "bead.vy"),
@@ -79,16 +72,10 @@ class Kernel:
 
 def interpreted_kernel() -> Kernel:
     """The kernel as Python runs it."""
+    from ..fmi.folder import find
     from ..kernel.methods import create
 
-    root = __name__.rpartition(".bench.")[0]
-    return Kernel(
-        create,
-        {
-            name: getattr(importlib.import_module(f"{root}.{module}"), function)
-            for name, (module, function) in _FACTORIES.items()
-        },
-    )
+    return Kernel(create, {name: find(name).module("kernel").model for name in _STATES})
 
 
 def compiled_kernel() -> Kernel:
@@ -98,9 +85,9 @@ def compiled_kernel() -> Kernel:
     from ..fmi.runtime import runtime, system_sources
 
     factories = {}
-    for name, (_, function) in _FACTORIES.items():
+    for name in _STATES:
         core, system = load_compiled(system_sources(find(name), runtime()))
-        factories[name] = getattr(system, function)
+        factories[name] = system.model
     return Kernel(core.create, factories)
 
 

@@ -122,7 +122,7 @@ def _c_sources(core: Runtime, system: SystemSources | None) -> Path:
 def write_shipped(folder: Path) -> Iterator[str]:
     """Compile what comes with the package into `folder`; yields what it has to do without, and why.
 
-    Needs nothing beyond the standard library and Cython.
+    Needs Cython, and of other packages only what reading the systems' folders imports.
     """
     core = runtime()
     systems = [system_sources(system, core) for system in systems_in(fmus_directory())]
@@ -133,7 +133,11 @@ def write_shipped(folder: Path) -> Iterator[str]:
             continue
         for unit in (None, *systems):
             name = f"{unit.extension if unit else core.extension}{SUFFIXES[target]}"
-            (folder / name).write_bytes(extension(target, core, unit))
+            try:
+                (folder / name).write_bytes(extension(target, core, unit))
+            except CurveboundError as error:  # an installation works without, interpreted
+                yield f"for {target}: {error}"
+                break
 
 
 def load_compiled(system: SystemSources) -> tuple[ModuleType, ModuleType]:

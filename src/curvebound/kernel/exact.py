@@ -193,6 +193,8 @@ def propagator(a: Matrix, c: Matrix, h: float, e: Matrix, s: Matrix) -> None:
 class Exact(Method):
     """One step per communication step, of any size, right to rounding; linear models only."""
 
+    CHOOSES_STEP = True
+
     def __init__(self) -> None:
         super().__init__()
         # The propagator last used and what it belongs to. It follows from them alone, so it is no

@@ -1,8 +1,8 @@
 """References kept on disk: what was computed once need not be computed again.
 
 A reference is kept under all that it depends on: the scene's parameters, links and signals, the
-starts, and the source code that computes it. FMUs are no part of it: a reference does not use them,
-and holds for every build of them.
+starts, the statements of the systems, and the source code that computes it. Of the FMUs nothing but
+those statements is part of it: a reference does not use them, and holds for every build of them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 from .. import cache
 from .described import described
-from .equations import Array
+from .equations import Array, stated_in
 from .monolith import Monolith, Value
 
 if TYPE_CHECKING:
@@ -40,7 +40,8 @@ def question(
     scene = system.scene
     parts: list[object] = [_code(), *(f"{name} {version(name)}" for name in ("numpy", "mpmath"))]
     parts += [str(np.finfo(np.longdouble)), scene.start_time, stop, scene.step, continuous]
-    parts += [f"{name} {node.fmu.model_name}" for name, node in system.nodes.items()]
+    for name, node in system.nodes.items():
+        parts += [f"{name} {node.fmu.model_name}", *stated_in(node.fmu).values()]
     parts += [
         f"{name} {variable.name} {node.start.get(variable.name, variable.start)}"
         for name, node in system.nodes.items()

@@ -21,7 +21,7 @@ from .propagator import propagator
 if TYPE_CHECKING:
     from ...cosim.fmu import Fmu
 
-__all__ = ["system_of"]
+__all__ = ["stated_in", "system_of"]
 
 _known: dict[str, System] = {}
 
@@ -37,7 +37,7 @@ def system_of(fmu: Fmu) -> System:
 
 
 def _system(fmu: Fmu) -> System:
-    texts = _texts(fmu)
+    texts = stated_in(fmu)
     known: dict[str, Any] = {"__name__": f"reference_of_{fmu.model_name}"}
     if "reference" in texts:
         where = f"{fmu.path.name}/resources/reference.py"
@@ -54,7 +54,8 @@ def _system(fmu: Fmu) -> System:
     return _mechanical(fmu, derived, known)
 
 
-def _texts(fmu: Fmu) -> dict[str, str]:
+def stated_in(fmu: Fmu) -> dict[str, str]:
+    """The texts in the FMU that its equations follow from: of "mechanics" and "reference"."""
     with zipfile.ZipFile(fmu.path) as archive:
         names = set(archive.namelist())
         return {
