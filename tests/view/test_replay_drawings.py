@@ -64,7 +64,8 @@ def test_points_and_curves_are_where_the_formulas_say(tab: Tab, page: Path) -> N
         assert camera["bottom"] - camera["scale"] * top == pytest.approx(high, abs=4)
         bottom = min(-0.4, y - 0.2)
         assert camera["bottom"] - camera["scale"] * bottom == pytest.approx(low, abs=4)
-    assert tab.errors == []
+    # of reading the canvas again and again the browser complains; that is this test's doing
+    assert [error for error in tab.errors if "getImageData" not in error] == []
 
 
 def test_every_function_of_a_formula_is_known_to_the_page(tab: Tab, tmp_path: Path) -> None:
