@@ -31,7 +31,7 @@ _FLAGS_FOR = {
         *("-fPIC", "-fno-semantic-interposition", "-include", str(_HERE / "old_glibc.h")),
         *("-Wl,--build-id=none", "-Wl,-z,noseparate-code", "-lm"),
     ),
-    WINDOWS: ("-static-libgcc", "-Wl,--no-insert-timestamp"),
+    WINDOWS: ("-static-libgcc", "-Wl,--no-insert-timestamp", "-Wl,--disable-auto-image-base"),
 }
 
 

@@ -29,8 +29,12 @@ _LINUX = (
     *("-fPIC", "-Wl,-Bsymbolic", "-Wl,-z,defs", "-Wl,-z,now", "-Wl,-z,relro"),
     *("-Wl,-z,noseparate-code", "-Wl,--build-id=none", "-Wl,--no-as-needed", "-l:libdl.so.2"),
 )
-# no library but those of Windows itself; no time in the file
-_WINDOWS = ("-D__USE_MINGW_ANSI_STDIO=1", "-static", "-Wl,--no-insert-timestamp", "-ladvapi32")
+# No library but those of Windows itself. The same bytes each time: no time in the file, and no
+# address that is made of the path of the file.
+_WINDOWS = (
+    *("-D__USE_MINGW_ANSI_STDIO=1", "-static", "-ladvapi32"),
+    *("-Wl,--no-insert-timestamp", "-Wl,--disable-auto-image-base"),
+)
 
 
 class Platform:
