@@ -13,6 +13,7 @@ import pytest
 
 # test modules are imported without packages (importmode=importlib); their helpers live here
 sys.path.insert(0, str(Path(__file__).parent / "fmi"))
+sys.path.insert(0, str(Path(__file__).parent))  # benchmarks
 
 from harness import Extracted, Instance
 

@@ -8,15 +8,15 @@ from statistics import median
 import fmpy
 import numpy as np
 import pytest
+from benchmarks.macro_step import costs
 
 from curvebound.cosim import Scene, load_scene
-from curvebound.cosim.compare import costs
 from curvebound.cosim.fmu import extracted
 
 
 @pytest.mark.slow
 def test_a_macro_step_costs_less_than_half_of_simulate_ssp(monkeypatch):
-    from curvebound.cosim import compare
+    from benchmarks import macro_step as compare
 
     monkeypatch.setattr(compare, "TOOLS", {"simulate_ssp": compare.TOOLS["simulate_ssp"]})
     scene = load_scene("swaying_parabola")

@@ -11,11 +11,11 @@ from pathlib import Path
 import fmpy.ssp
 import numpy as np
 import pytest
+from benchmarks.ssp_peers import available, run_peer
 from fmpy.ssp.ssd import read_ssd
 from lxml import etree
 
 from curvebound.cosim import Adaptive, Needs, Scene, load_scene
-from curvebound.cosim.peers import available, run_peer
 from curvebound.cosim.ssp import in_fmpy, write_ssp
 from curvebound.errors import CurveboundError
 

@@ -20,8 +20,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from measured.groups import GROUPS, demo
 from measured.text import DOCUMENTS, put
 
-from curvebound.bench.machine import machine
 from curvebound.files import write_whole
+from curvebound.machine import machine
 
 FIGURES = Path(__file__).with_name("figures.json")
 STEADY = ("demo", "errors", "models")

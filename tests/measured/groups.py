@@ -129,12 +129,12 @@ def models() -> Data:
 
 
 def bench() -> Data:
-    """The targets of `curvebound bench`: ratios of CPU times from interleaved runs."""
-    from curvebound.cli import main
+    """The targets of `python tests/benchmarks cost`: ratios of CPU times from interleaved runs."""
+    from benchmarks.__main__ import main
 
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "bench.json"
-        main(["bench", "--json", str(out)])
+        main(["cost", "--json", str(out)])
         data = json.loads(out.read_text(encoding="utf-8"))
     kept = ("name", "limit", "at_least", "measured")
     return {"times": [{name: t[name] for name in kept} for t in data["targets"]]}

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benchmarks.references import REFERENCES
 
-from curvebound.bench.references import REFERENCES
 from curvebound.fmi.declaration import INPUT, PARAMETER
 from curvebound.fmi.folder import find
 from curvebound.study.stability import sample

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from benchmarks.promises import MOST
 from scipy.stats import t as student
 
 from curvebound.cosim import load_scene
@@ -22,7 +23,6 @@ from curvebound.study.judge import judge
 from curvebound.study.reference import Reference
 from curvebound.study.settings import Setting
 from curvebound.study.tune import Tuner
-from curvebound.study.verify import MOST
 
 Law = Callable[[Setting], tuple[float, float]]
 ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4, "implicit": 4}

@@ -109,7 +109,7 @@ def test_tuning_keeps_its_promises_on_a_short_scene(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The check itself: fresh starts, and the cost against the grid's best."""
-    from curvebound.study import verify
+    from benchmarks import promises as verify
 
     scene = load_scene("bead_on_wire")
     scene.stop_time = 1.0
@@ -125,7 +125,7 @@ def test_tuning_keeps_its_promises_on_a_short_scene(
 
 
 def test_a_promise_that_is_not_kept_is_named() -> None:
-    from curvebound.study.verify import Case, broken
+    from benchmarks.promises import Case, broken
 
     def case(met: int, ratio: float | None, setting: str = "angle, rk4", best: str = "b") -> Case:
         return Case("s", 1e-4, setting, met, 20, 20, 0.5, 1e-5, best, 1e-5, ratio, 1.0, 1.0, 9)

@@ -18,13 +18,6 @@ TUNE = ["tune", "bead_on_wire"]
         *([*TUNE, "--budget", text] for text in ("0", "-1", "nan")),
         *([*TUNE, "--frame-rate", text] for text in ("0", "-5", "inf")),
         *([*TUNE, "--limit", text] for text in ("0", "-1", "nan")),
-        *([*TUNE, "--verify", "--starts", text] for text in ("0", "-1")),
-        [*TUNE, "--starts", "3"],
-        [*TUNE, "--out", "cases.json"],
-        [*TUNE, "--verify", "--budget", "1e-3"],
-        [*TUNE, "--verify", "--keep", "bead.model.formulation=angle"],
-        [*TUNE, "--verify", "--write"],
-        [*TUNE, "--verify", "--error", "bead.bead.x=1e-3"],
         ["study", "bead_on_wire", "--limit", "-1"],
         ["sweep", "bead_on_wire", "--seed", "-1"],
         [*TUNE, "--error", "inf"],
@@ -37,14 +30,13 @@ def test_a_number_or_option_without_sense_is_wrong_usage(
     with pytest.raises(SystemExit) as caught:
         main(words)
     assert caught.value.code == 2
-    assert f"argument {words[-2]}" in (err := capsys.readouterr().err) or "--verify" in err
+    assert f"argument {words[-2]}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     "words",
     [
         ["study", "bead_on_wire", "--quick", "--no-plots", "--out", "{}"],
-        ["tune", "bead_on_wire", "--verify", "--out", "{}/cases.json"],
         ["sweep", "bead_on_wire", "--vary", "bead.bead.damping=0:1:2", "--out", "{}/x.csv"],
     ],
     ids=lambda words: words[0],

@@ -40,7 +40,6 @@ _COMMANDS = (
     "sweep",
     "stability",
     "linearize",
-    "bench",
 )
 
 _EPILOG = """\

@@ -1,4 +1,4 @@
-"""Find where the methods break: maps of a parameter against the step, random samples, long runs.
+"""Find where the methods break: maps of a parameter against the step, and random samples.
 
 A map says for each method and value of a parameter up to which step it is accurate, up to which
 it is stable, and where it fails with a message. Made of it: a table (CSV), a picture (PNG), a page.
@@ -8,7 +8,6 @@ examples:
   curvebound stability pendulum_large --vary plant.pendulum.mass=1e-8:1e8:17:log --method rk4
   curvebound stability --all --jobs 2
   curvebound stability --sample 2000 --system MySystem --jobs 2
-  curvebound stability --long
 """
 
 from __future__ import annotations
@@ -20,10 +19,10 @@ from typing import Any
 from ..arguments import positive, setting, whole
 from ..study.stability.ranges import systems
 from .bar import progress_bar
-from .stability_usage import LONG, refuse, requests_of
+from .stability_usage import refuse, requests_of
 
 NAME = "stability"
-HELP = "find where the methods break: maps, random samples, long runs"
+HELP = "find where the methods break: maps, random samples"
 
 _METHODS = ("explicit_euler", "semi_implicit_euler", "rk4", "implicit", "adaptive", "exact")
 
@@ -65,15 +64,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, help="of the sample (default: 1)")
     parser.add_argument("--tolerance", type=positive, help="of the sample (1e-8)")
     parser.add_argument("--times", type=positive, help="of the sample: characteristic times (10)")
-    parser.add_argument("--long", action="store_true", help="long runs of bead and pendulum")
-    parser.add_argument(
-        "--periods", type=positive, help="of the long runs of the bead (default: 1e5)"
-    )
-    parser.add_argument(
-        "--calls",
-        type=positive,
-        help="communication steps of the long run of the pendulum (default: 1e7)",
-    )
     parser.add_argument("--jobs", type=whole(1), default=1, help="processes (default: 1)")
     parser.add_argument("--out", type=Path, default=Path("build/stability"), metavar="DIR")
     parser.add_argument("--no-plots", action="store_true", help="tables and pages only")
@@ -87,7 +77,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do what was asked for; status 1 where a map is empty, a sample or a long run misses."""
+    """Do what was asked for; status 1 where a map is empty or a sample misses."""
     from ..files import require_writable, sole_writer
     from ..study.extras import require
 
@@ -109,8 +99,6 @@ def run(options: argparse.Namespace) -> int:
                 good = _maps(options, requests, units)
             if options.sample is not None:
                 good = _sample(options) and good
-            if options.long:
-                good = _long(options) and good
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             "stopped by the keyboard; files named above are whole, nothing else is kept"
@@ -211,41 +199,3 @@ def _sample(options: argparse.Namespace) -> bool:
         console.print(str(write_sample(outcomes, _sample_file(options, system))))
         good = passes(outcomes) and good
     return good
-
-
-def _long(options: argparse.Namespace) -> bool:
-    """All long runs; with --method those of the bead over many periods alone."""
-    from rich.console import Console
-
-    from ..study.extras import require
-    from ..study.stability.benchmark import SETTINGS, print_benchmark, run_one
-    from ..study.stability.endurance import print_endurance, run_endurance
-    from ..study.stability.long_runs import print_long, run_long
-
-    require("study")
-    methods = [m for m in LONG if not options.method or m in options.method]
-    others = () if options.method else tuple(range(len(SETTINGS)))
-    calls = int(options.calls)
-    results = []
-    marks = []
-    with progress_bar(Console(highlight=False)) as bar:
-        task = bar.add_task("long runs", total=len(methods) + len(others), note="")
-        for method in methods:
-            bar.update(task, description=f"{options.periods:g} periods, {method}")
-            results.append(run_long(method, options.periods))
-            bar.advance(task)
-        for number in others:
-            bar.update(task, description=f"2000 s, {SETTINGS[number][0]}")
-            marks.append(run_one(number))
-            bar.advance(task)
-    print_long(results)
-    good = all(one.as_expected for one in results)
-    if options.method:
-        return good
-    print_benchmark(marks)
-    good = all(one.good for one in marks) and good
-    with progress_bar(Console(highlight=False)) as bar:
-        task = bar.add_task("communication steps", total=calls, note="")
-        endurance = run_endurance(calls, lambda n: bar.update(task, completed=n))
-    print_endurance(endurance)
-    return endurance.good and good

@@ -5,36 +5,26 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-#: methods that the long runs have, and the most periods or calls of one
-LONG = ("semi_implicit_euler", "rk4", "implicit", "adaptive", "explicit_euler")
-LONGEST = 1e9
 #: of options that are refused where they would not be heeded
 _DEFAULTS = {
     "accuracy": 1e-3,
     "seed": 1,
     "tolerance": 1e-8,
     "times": 10.0,
-    "periods": 1e5,
-    "calls": 1e7,
 }
 
 
 def refuse(options: argparse.Namespace) -> None:
     """Wrong usage that the parser does not see."""
     maps = bool(options.scene or options.vary)
-    if not (maps or options.all or options.long or options.sample is not None):
-        options.wrong("give SCENE with --vary, or --all, --sample N or --long")
+    if not (maps or options.all or options.sample is not None):
+        options.wrong("give SCENE with --vary, or --all or --sample N")
     if maps and not (options.scene and options.vary):
         options.wrong("a map needs both SCENE and --vary component.variable=LOW:HIGH:N")
     _refuse_unheeded(options, maps)
     for name, default in _DEFAULTS.items():
         if getattr(options, name) is None:
             setattr(options, name, default)
-    if not (1000.0 <= options.periods <= LONGEST and 1000.0 <= options.calls <= LONGEST):
-        options.wrong(f"--periods and --calls must be at least 1000 and at most {LONGEST:g}")
-    for method in (options.long and options.method) or ():
-        if method not in LONG:
-            options.wrong(f"--long has no run of {method}, but of {', '.join(LONG)}")
     if options.documentation and (not options.all or options.method or options.no_plots):
         options.wrong("--documentation goes with --all and every method")
     if options.sample is not None and len(options.method or ()) > 1:
@@ -47,7 +37,6 @@ def _refuse_unheeded(options: argparse.Namespace, maps: bool) -> None:
         (maps, "a map of SCENE with --vary", ("set", "steps", "stop")),
         (maps or options.all, "maps", ("accuracy",)),
         (options.sample is not None, "--sample", ("system", "seed", "tolerance", "times")),
-        (options.long, "--long", ("periods", "calls")),
     ]
     for asked, owner, names in groups:
         for name in names:

@@ -4,22 +4,18 @@ examples:
   curvebound tune bead_on_wire
   curvebound tune bead_on_wire --error 1e-9
   curvebound tune scenarios/mine.py --error plant.slider.u=1e-4 --frame-rate 30 --write
-  curvebound tune all --verify
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 from typing import Any
 
-from ..arguments import positive, setting, whole
+from ..arguments import positive, setting
 
 NAME = "tune"
 HELP = "choose the cheapest setting that meets a scene's needs"
-
-_STARTS = 20
 
 
 def _bound(text: str) -> tuple[str, float]:
@@ -73,30 +69,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="CPU seconds of one run (default: 5)",
     )
     parser.add_argument("--write", action="store_true", help="put the choice into the script")
-    parser.add_argument(
-        "--verify",
-        action="store_true",
-        help="check the promises: fresh starts, and the cost against the whole grid",
-    )
-    parser.add_argument(
-        "--starts",
-        type=whole(1),
-        metavar="N",
-        help=f"with --verify: fresh starts (default: {_STARTS})",
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE.json", help="with --verify: write the cases"
-    )
-    parser.set_defaults(wrong=parser.error)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Tune and print; exit status 1 where nothing fits, a budget or a promise is not kept."""
-    if not options.verify and (options.starts is not None or options.out is not None):
-        options.wrong("--starts and --out are for --verify: add it, or leave them out")
-    if options.verify:
-        _refuse_unverified(options)
-
+    """Tune and print; exit status 1 where nothing fits, or a budget is not kept."""
     from rich.console import Console
 
     from ..cosim import scene_names
@@ -105,27 +81,10 @@ def run(options: argparse.Namespace) -> int:
     require("study")
     console = Console(highlight=False)
     names = scene_names() if options.scenes == ["all"] else options.scenes
-    if options.verify:
-        return _verify(options, names, console)
     status = 0
     for name in names:
         status = max(status, _tune(options, name, console))
     return status
-
-
-def _refuse_unverified(options: argparse.Namespace) -> None:
-    """What --verify does not take: it judges what a scene needs, by one bound for all of it."""
-    given = {
-        "--budget": options.budget is not None,
-        "--frame-rate": options.frame_rate is not None,
-        "--keep": bool(options.keep),
-        "--continuous": options.continuous,
-        "--write": options.write,
-        "a PATH in --error": any(path for path, _ in options.error),
-    }
-    for name, there in given.items():
-        if there:
-            options.wrong(f"--verify does not take {name}: it checks bounds for what a scene needs")
 
 
 def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
@@ -242,64 +201,3 @@ def _setting(candidate: Any) -> str:
     return f"{setting.label}, macro step {setting.step:.3g} s" + (
         "" if setting.algorithm == "gauss_seidel" else f", {setting.algorithm}"
     )
-
-
-def _verify(options: argparse.Namespace, names: list[str], console: Any) -> int:
-    from ..files import sole_writer
-
-    with sole_writer(*([] if options.out is None else [options.out])):
-        return _verified(options, names, console)
-
-
-def _verified(options: argparse.Namespace, names: list[str], console: Any) -> int:
-    from rich.table import Table
-
-    from ..study.files import write_json
-    from ..study.verify import BOUNDS, MOST, broken, verify_scene
-
-    cases = []
-    bounds = [bound for _, bound in options.error] or list(BOUNDS)
-    failed: list[str] = []
-    with console.status("") as status:
-        for name in names:
-            found = verify_scene(
-                name,
-                bounds,
-                fresh=options.starts or _STARTS,
-                limit=options.limit,
-                progress=status.update,
-            )
-            cases += found
-            if options.out is not None:
-                write_json([case.as_row() for case in cases], options.out)
-            table = Table(box=None, pad_edge=False, show_header=len(cases) == len(found))
-            for heading, width in zip(_HEADINGS, _WIDTHS, strict=True):
-                left = heading in ("scene", "choice", "remark")
-                table.add_column(heading, justify="left" if left else "right", min_width=width)
-            for case in found:
-                table.add_row(
-                    case.scene, f"{case.bound:.0e}", case.setting, f"{case.met}/{case.judged}",
-                    f"{case.worst:.2g}", "-" if case.ratio is None else f"{case.ratio:.2f}",
-                    case.remark,
-                )  # fmt: skip
-            console.print(table, soft_wrap=not console.is_terminal)
-            failed += broken(found)
-    fresh = sum(case.fresh for case in cases)
-    judged = sum(case.judged for case in cases)
-    met = sum(case.met for case in cases)
-    ratios = [case.ratio for case in cases if case.ratio is not None]
-    console.print(
-        f"bounds met at {met} of {judged} fresh starts ({met / max(judged, 1):.1%}), "
-        f"{fresh - judged} more could not be judged; cost over the grid's best at most "
-        f"{max(ratios, default=0.0):.2f}, above {MOST} in {sum(r > MOST for r in ratios)} of "
-        f"{len(ratios)} cases; nothing fits in {sum(case.fresh == 0 for case in cases)} of "
-        f"{len(cases)} cases",
-        soft_wrap=not console.is_terminal,
-    )
-    for text in failed:
-        console.print(f"not kept: {text}", soft_wrap=not console.is_terminal)
-    return 1 if failed or not judged else 0
-
-
-_HEADINGS = ("scene", "bound", "choice", "met", "worst", "cost", "remark")
-_WIDTHS = (17, 5, 52, 5, 8, 5, 0)

@@ -21,7 +21,7 @@ Row = dict[str, Any]
 
 
 def _footer() -> str:
-    from ..bench.machine import machine
+    from ..machine import machine
 
     return html.escape("; ".join(f"{name} {value}" for name, value in machine().items()))
 

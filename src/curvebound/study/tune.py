@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..bench.timing import interleave, median
 from ..errors import CurveboundError
 from .candidate import Candidate, Choice
 from .ensemble import Ensemble
@@ -24,6 +23,7 @@ from .grid import algorithms, is_sampled
 from .runner import Runner
 from .settings import Setting, Space, space_of
 from .starts import surrounding
+from .timing import interleave, median
 from .truth import Truths
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from .. import cache
-from ..compiling.toolchain import compiler_parts
-from ..errors import CurveboundError
+from curvebound import cache
+from curvebound.compiling.toolchain import compiler_parts
+from curvebound.errors import CurveboundError
 
 __all__ = [
     "FLAGS",

@@ -1,8 +1,6 @@
 """What a macro step costs here and in other tools, side by side.
 
-    python -m curvebound.cosim.compare [SCENE] [--steps N] [--rounds N]
-
-takes a scene (default swaying_parabola), writes it as an SSP package, and runs that in every tool
+Takes a scene (default swaying_parabola), writes it as an SSP package, and runs that in every tool
 that is installed, in turn, several times. Median microseconds per macro step, set-up excluded.
 """
 
@@ -11,18 +9,18 @@ from __future__ import annotations
 import argparse
 import platform
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 
-from ..errors import CurveboundError
-from .load import load_scene
-from .peers import TOOLS, available, run_peer
-from .prepared import Prepared
-from .scene import Scene
-from .ssp import write_ssp
+from curvebound.cosim.load import load_scene
+from curvebound.cosim.prepared import Prepared
+from curvebound.cosim.scene import Scene
+from curvebound.cosim.ssp import write_ssp
+from curvebound.errors import CurveboundError
 
-__all__ = ["costs", "main"]
+from .ssp_peers import TOOLS, available, run_peer
+
+__all__ = ["configure", "costs", "run"]
 
 
 def costs(scene: Scene, steps: int, rounds: int) -> dict[str, float | str]:
@@ -59,13 +57,15 @@ def costs(scene: Scene, steps: int, rounds: int) -> dict[str, float | str]:
     return {**result, **failures}
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
     parser.add_argument("scene", nargs="?", default="swaying_parabola")
     parser.add_argument("--steps", type=int, default=2000)
     parser.add_argument("--rounds", type=int, default=7)
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the table."""
     scene = load_scene(options.scene)
     recorded = len(scene.check().recorded)
     print(f"{scene.name}: {options.steps} macro steps, {recorded} recorded outputs, ", end="")
@@ -79,7 +79,4 @@ def main(arguments: Sequence[str] | None = None) -> None:
             share = f"{cost / reference:6.2f}" if isinstance(reference, float) else ""
             print(f"  {name:24s} {cost:8.1f} us per step {share} of simulate_ssp")
     print(f"  Python {platform.python_version()} on {platform.machine()}")
-
-
-if __name__ == "__main__":
-    main()
+    return 0

@@ -1,4 +1,4 @@
-"""What the section size measures, one process each: python -m curvebound.bench.worker JSON.
+"""What the section size measures, one process each: python -m benchmarks.worker JSON.
 
 The argument is an object with name, folder and reference (extracted FMUs), instances, steps; one
 JSON object is printed. Only the process that holds the instances can tell what they cost. Each

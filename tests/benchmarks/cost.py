@@ -1,19 +1,19 @@
-"""Measure what the kernel and the FMUs cost, beside C and beside general tools, in one run.
-
-examples:
-  curvebound bench --only kernel --only fmu
-  curvebound bench --json bench.json
-"""
+"""What the kernel and the FMUs cost, beside C and beside general tools, in one run."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-NAME = "bench"
-HELP = "measure cost and accuracy beside C, scipy, heyoka and MuJoCo"
+from rich.console import Console
 
-_SECTIONS = ("kernel", "fmu", "accuracy", "size", "startup")
+from curvebound.files import require_writable
+
+from .report import as_data, print_report, save
+from .results import Settings
+from .sections import SECTIONS, described_machine, run_sections
+
+__all__ = ["configure", "run"]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -21,9 +21,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--only",
         action="append",
-        choices=_SECTIONS,
+        choices=list(SECTIONS),
         metavar="SECTION",
-        help=f"one of {', '.join(_SECTIONS)} (repeat for more; default: all)",
+        help=f"one of {', '.join(SECTIONS)} (repeat for more; default: all)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures to FILE")
     parser.add_argument(
@@ -36,23 +36,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Measure, print, save."""
-    from rich.console import Console
-
-    from ..bench.machine import machine
-    from ..bench.report import as_data, print_report, save
-    from ..bench.results import Settings
-    from ..bench.run import run_sections
-    from ..files import require_writable
-
     if options.json:  # known before the minutes that the figures take
         require_writable(options.json)
     settings = Settings(quick=options.quick, rounds=1 if options.quick else 7)
-    names = [name for name in _SECTIONS if name in (options.only or _SECTIONS)]
+    names = [name for name in SECTIONS if name in (options.only or SECTIONS)]
     with Console(stderr=True).status("") as status:
         sections = run_sections(
             names, settings, lambda name, made: status.update(f"{name}: {made} measurements")
         )
-    described = machine()
+    described = described_machine()
     print_report(sections, described, settings.rounds, every_point=options.every_point)
     if options.quick:
         Console(stderr=True).print("--quick: one small measurement each, not figures to quote")

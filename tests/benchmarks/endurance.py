@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...cosim.fmu import Value
-from ...cosim.instance import Instance, Library, Log
-from ...cosim.scene import Scene
+from curvebound.cosim.fmu import Value
+from curvebound.cosim.instance import Instance, Library, Log
+from curvebound.cosim.scene import Scene
 
 __all__ = ["Endurance", "print_endurance", "run_endurance"]
 

@@ -6,10 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from curvebound.study.timing import Probe, interleave, median, probe, ratio
+
 from .cfmu import PLANTS, build_c_fmu
 from .ours import Loaded
 from .results import Section, Settings, Table, Target
-from .timing import Probe, interleave, median, probe, ratio
 
 __all__ = ["RECORDED", "fmu_section", "load_ours", "load_theirs"]
 
@@ -39,7 +40,7 @@ _CALLS = (
 
 def load_ours(name: str, folder: Path) -> Loaded:
     """Build and extract our FMU `name` below `folder`."""
-    from ..fmi.build import build
+    from curvebound.fmi.build import build
 
     built = build(name, folder / "ours")
     return Loaded.extract(name, built.path, folder / f"{name}-ours")

@@ -11,7 +11,8 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from ..files import write_whole
+from curvebound.files import write_whole
+
 from .results import Cell, Section, Table, Target
 
 __all__ = ["as_data", "print_report", "save"]

@@ -7,14 +7,13 @@ import shutil
 from pathlib import Path
 
 import pytest
+from benchmarks import contenders, peers
+from benchmarks.__main__ import main
+from benchmarks.contenders import REFERENCE_OF
+from benchmarks.references import error_of
+from benchmarks.results import Settings
+from benchmarks.sections import SECTIONS, run_sections
 
-from curvebound.bench import contenders, peers
-from curvebound.bench.contenders import REFERENCE_OF
-from curvebound.bench.references import error_of
-from curvebound.bench.results import Settings
-from curvebound.bench.run import SECTIONS, run_sections
-from curvebound.cli import bench as command
-from curvebound.cli import main
 from curvebound.errors import CurveboundError
 
 needs_compiler = pytest.mark.skipif(
@@ -26,7 +25,7 @@ needs_compiler = pytest.mark.skipif(
 @pytest.mark.slow
 def test_quick_run_measures_everything(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "bench.json"
-    assert main(["bench", "--quick", "--json", str(path)]) == 0
+    assert main(["cost", "--quick", "--json", str(path)]) == 0
     printed = capsys.readouterr().out
     assert max(map(len, printed.splitlines())) <= 80
     assert "Targets" in printed
@@ -34,7 +33,7 @@ def test_quick_run_measures_everything(tmp_path: Path, capsys: pytest.CaptureFix
 
     data = json.loads(path.read_text("utf-8"))
     assert list(data["sections"]) == list(SECTIONS)
-    assert {"processor", "compiler", "python", "mypy", "fmpy", "numpy"} <= set(data["machine"])
+    assert {"processor", "compiler", "python", "heyoka", "fmpy", "numpy"} <= set(data["machine"])
     tables = {name: section["tables"] for name, section in data["sections"].items()}
 
     (kernel,) = tables["kernel"]
@@ -75,9 +74,8 @@ def test_quick_run_measures_everything(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 def test_only_picks_sections_and_refuses_others(capsys: pytest.CaptureFixture[str]) -> None:
-    assert command._SECTIONS == SECTIONS
     with pytest.raises(SystemExit) as refused:
-        main(["bench", "--only", "speed"])
+        main(["cost", "--only", "speed"])
     assert refused.value.code == 2
     assert "kernel" in capsys.readouterr().err
 
@@ -85,17 +83,17 @@ def test_only_picks_sections_and_refuses_others(capsys: pytest.CaptureFixture[st
 def test_a_file_that_cannot_be_written_is_refused_before_the_first_measurement(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("curvebound.bench.run.run_sections", None)
+    monkeypatch.setattr("benchmarks.cost.run_sections", None)
     (tmp_path / "file").touch()
     for path in (tmp_path, tmp_path / "file" / "bench.json"):
-        assert main(["bench", "--json", str(path)]) == 2
+        assert main(["cost", "--json", str(path)]) == 2
         assert f"{path} cannot be written" in capsys.readouterr().err.replace("\n", "")
 
 
 def test_a_section_that_cannot_run_is_left_out_with_the_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from curvebound.bench import kernel_section
+    from benchmarks import kernel_section
 
     def broken() -> object:
         raise CurveboundError("there is no compiler: install gcc")

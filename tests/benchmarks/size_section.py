@@ -8,15 +8,17 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from ..errors import CurveboundError
+from curvebound.errors import CurveboundError
+from curvebound.study.timing import median
+
 from .fmu_section import load_ours, load_theirs
 from .ours import Loaded
 from .results import Section, Settings, Table, Target
-from .timing import median
 
 __all__ = ["size_section"]
 
 _NAME = "ParabolaPendulum"
+TESTS = Path(__file__).resolve().parents[1]
 
 _Outcome = dict[str, float]
 _Task = Callable[[], _Outcome]
@@ -27,7 +29,8 @@ def _work(loaded: Loaded, reference: Loaded, **task: int) -> _Outcome:
     folders = {"folder": str(loaded.folder), "reference": str(reference.folder)}
     request = {"name": loaded.name, **folders, **task}
     done = subprocess.run(
-        [sys.executable, "-m", f"{__package__}.worker", json.dumps(request)],
+        [sys.executable, "-m", "benchmarks.worker", json.dumps(request)],
+        cwd=TESTS,
         capture_output=True,
         text=True,
         check=False,

@@ -1,20 +1,16 @@
-"""On what a benchmark ran: processor, compiler, interpreter and packages."""
+"""On what something was measured: processor, interpreter and packages."""
 
 from __future__ import annotations
 
 import os
 import platform
-import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from ..errors import CurveboundError
-from .native import FLAGS, compiler
-
 __all__ = ["machine"]
 
-_PACKAGES = ("curvebound", "pythonfmu", "fmpy", "mypy", "numpy", "scipy", "heyoka", "mujoco")
+_PACKAGES = ("curvebound", "pythonfmu", "fmpy", "numpy", "scipy")
 
 
 def _processor() -> str:
@@ -27,16 +23,6 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def _compiler() -> str:
-    try:
-        command = compiler()
-    except CurveboundError:
-        return "none"
-    done = subprocess.run([command, "--version"], capture_output=True, text=True, check=False)
-    first = (done.stdout or command).splitlines()[0]
-    return f"{first} {' '.join(flag for flag in FLAGS if flag.startswith('-O'))}"
-
-
 def _version(package: str) -> str:
     try:
         return version(package)
@@ -44,13 +30,12 @@ def _version(package: str) -> str:
         return "not installed"
 
 
-def machine() -> dict[str, str]:
-    """Name -> value of everything that a figure depends on."""
+def machine(*packages: str) -> dict[str, str]:
+    """Name -> value of what figures depend on; `packages`: distributions named beside our own."""
     return {
         "processor": _processor(),
         "cores": str(os.cpu_count()),
         "system": platform.platform(),
-        "compiler": _compiler(),
         "python": f"{platform.python_implementation()} {sys.version.split()[0]}",
-        **{package: _version(package) for package in _PACKAGES},
+        **{package: _version(package) for package in (*_PACKAGES, *packages)},
     }

@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from curvebound.study.timing import Probe, interleave, median, probe
+
 from .contenders import ANGLE, CARTESIAN, PENDULUM, REFERENCE_OF, Contender, Run
 from .fmu_section import load_ours
 from .ours import Loaded, compiled_kernel, leap_of_kernel, method_items
 from .peers import decades, peers
 from .references import DURATION, error_of
 from .results import Cell, Section, Settings, Table, Target
-from .timing import Probe, interleave, median, probe
 
 __all__ = ["accuracy_section", "cost_at"]
 

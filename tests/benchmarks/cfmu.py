@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
-from ..errors import CurveboundError
-from ..files import write_whole
-from ..fmi.units import exponents
+from curvebound.errors import CurveboundError
+from curvebound.files import write_whole
+from curvebound.fmi.units import exponents
+
 from .native import SOURCES, shared_library
 
 __all__ = ["PLANTS", "build_c_fmu"]

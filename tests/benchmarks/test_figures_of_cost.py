@@ -8,13 +8,13 @@ import math
 from pathlib import Path
 
 import pytest
+from benchmarks.accuracy_section import cost_at
+from benchmarks.peers import decades
+from benchmarks.references import error_of
+from benchmarks.report import as_data, print_report, save
+from benchmarks.results import Section, Table, Target
 
-from curvebound.bench.accuracy_section import cost_at
-from curvebound.bench.peers import decades
-from curvebound.bench.references import error_of
-from curvebound.bench.report import as_data, print_report, save
-from curvebound.bench.results import Section, Table, Target
-from curvebound.bench.timing import interleave, median, paused_gc, probe, ratio
+from curvebound.study.timing import interleave, median, paused_gc, probe, ratio
 
 
 def test_probes_take_turns_without_garbage_collection() -> None:

@@ -8,19 +8,20 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from ..errors import CurveboundError
+from curvebound.errors import CurveboundError
+from curvebound.study.timing import median
+
 from .fmu_section import load_ours, load_theirs
 from .results import Section, Settings, Table, Target
-from .timing import median
 
 __all__ = ["startup_section"]
 
 _NAME = "ParabolaPendulum"
-_ROOT = __name__.partition(".bench.")[0]
+TESTS = Path(__file__).resolve().parents[1]
 
 _FIRST_RESULT = """
 from pathlib import Path
-from {root}.bench.ours import Loaded
+from benchmarks.ours import Loaded
 slave = Loaded({name!r}, Path({folder!r})).slave()
 slave.doStep(0.0, 1e-3)
 slave.getReal([0])
@@ -29,7 +30,7 @@ slave.getReal([0])
 _INSTANTIATE = """
 import time
 from pathlib import Path
-from {root}.bench.ours import Loaded
+from benchmarks.ours import Loaded
 loaded = Loaded({name!r}, Path({folder!r}))
 from fmpy.fmi2 import FMU2Slave
 spent = [time.process_time()]
@@ -44,7 +45,7 @@ _BUILD = """
 import os
 from pathlib import Path
 begin = sum(os.times()[:4])
-from {root}.fmi.build import build
+from curvebound.fmi.build import build
 build({name!r}, Path({folder!r}))
 print(sum(os.times()[:4]) - begin)
 """
@@ -65,6 +66,7 @@ def _python(code: str, **environment: str) -> tuple[float, str]:
     began = _children()
     done = subprocess.run(
         [sys.executable, "-c", code],
+        cwd=TESTS,
         capture_output=True,
         text=True,
         check=False,
@@ -95,16 +97,15 @@ def startup_section(settings: Settings, advance: Callable[[], object], folder: P
         sides["C FMU"] = load_theirs(_NAME, folder)
     except CurveboundError as error:
         section.notes.append(str(error))
-    texts = {"root": _ROOT, "name": _NAME}
     tasks: dict[str, tuple[Callable[[str], list[float]], str]] = {
         "Python itself": (_whole, "pass"),
-        "import curvebound": (_whole, f"import {_ROOT}"),
-        "import curvebound.fmi.build": (_whole, f"import {_ROOT}.fmi.build"),
-        "curvebound list": (_whole, f"from {_ROOT}.cli import main; main(['list'])"),
-        "build, cached": (_printed, _BUILD.format(**texts, folder=str(folder / "again"))),
+        "import curvebound": (_whole, "import curvebound"),
+        "import curvebound.fmi.build": (_whole, "import curvebound.fmi.build"),
+        "curvebound list": (_whole, "from curvebound.cli import main; main(['list'])"),
+        "build, cached": (_printed, _BUILD.format(name=_NAME, folder=str(folder / "again"))),
     }
     for side, loaded in sides.items():
-        values = {**texts, "folder": str(loaded.folder)}
+        values = {"name": _NAME, "folder": str(loaded.folder)}
         making, result = _INSTANTIATE.format(**values), _FIRST_RESULT.format(**values)
         tasks[f"instantiate, first and second: {side}"] = (_printed, making)
         tasks[f"process start to first result: {side}"] = (_whole, result)
@@ -116,7 +117,7 @@ def startup_section(settings: Settings, advance: Callable[[], object], folder: P
     table = Table("", ("what", "s", "again, s"), [])
     if not settings.quick:
         empty = folder / "empty cache"
-        code = _BUILD.format(**texts, folder=str(folder / "cold"))
+        code = _BUILD.format(name=_NAME, folder=str(folder / "cold"))
         cold = _printed(code, CURVEBOUND_CACHE=str(empty))[0]
         table.rows.append(("build, cold (one run)", cold, None))
         advance()

@@ -6,13 +6,11 @@ import math
 
 import numpy as np
 import pytest
-
-from curvebound.cli import main
-from curvebound.cli.stability_usage import LONG
-from curvebound.study.stability import long_runs
-from curvebound.study.stability.benchmark import SETTINGS, position, run_one
-from curvebound.study.stability.endurance import INTERNAL, run_endurance
-from curvebound.study.stability.long_runs import METHODS, LongRun, period, run_long
+from benchmarks import long_runs
+from benchmarks.__main__ import main
+from benchmarks.endurance import INTERNAL, run_endurance
+from benchmarks.iftomm import SETTINGS, position, run_one
+from benchmarks.long_runs import METHODS, LongRun, period, run_long
 
 mpmath = pytest.importorskip("mpmath")
 
@@ -71,13 +69,12 @@ def test_many_communication_steps() -> None:
 
 
 def test_the_command_prints_a_table(capsys: pytest.CaptureFixture[str]) -> None:
-    assert set(LONG) == set(METHODS)
-    assert main(["stability", "--long", "--method", "implicit", "--periods", "1000"]) == 0
+    assert main(["long", "--method", "implicit", "--periods", "1000"]) == 0
     said = capsys.readouterr().out
     assert "implicit" in said
     assert "yes" in said
     with pytest.raises(SystemExit):
-        main(["stability", "--long", "--periods", "3"])
+        main(["long", "--periods", "3"])
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ rounds with two that share nothing. On a machine with other work to do neither c
 
 from __future__ import annotations
 
+import argparse
 import statistics
 import subprocess
 import sys
@@ -14,10 +15,10 @@ import time as clock
 from dataclasses import dataclass
 from pathlib import Path
 
-from .design import Design, axis
-from .engine import Sweep
+from curvebound.study.sweep.design import Design, axis
+from curvebound.study.sweep.engine import Sweep
 
-__all__ = ["Speed", "sweep_speed"]
+__all__ = ["Speed", "configure", "run", "sweep_speed"]
 
 _WORK = """
 import time
@@ -91,3 +92,18 @@ def _plain(count: int) -> float:
         for _ in range(count)
     ]
     return max(float(process.communicate()[0]) for process in running)
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """There are no arguments."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the speed of a sweep."""
+    found = sweep_speed()
+    print(
+        f"two workers: {found.gain:.2f} times the speed of one, {found.best:.2f} in the best "
+        f"round; two processes that share nothing: {found.machine:.2f}"
+    )
+    print(f"two workers: {found.against:.1f} times fmpy.simulate_fmu called with the file name")
+    return 0

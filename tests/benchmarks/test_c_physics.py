@@ -9,13 +9,13 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from benchmarks import native
+from benchmarks.cfmu import PLANTS, build_c_fmu
+from benchmarks.ours import Loaded, interpreted_kernel
+from benchmarks.references import REFERENCES, error_of, on_wire
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from curvebound.bench import native
-from curvebound.bench.cfmu import PLANTS, build_c_fmu
-from curvebound.bench.ours import Loaded, interpreted_kernel
-from curvebound.bench.references import REFERENCES, error_of, on_wire
 from curvebound.errors import CurveboundError
 
 pytestmark = pytest.mark.skipif(

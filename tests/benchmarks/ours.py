@@ -32,15 +32,15 @@ _STATES = {
 
 def method_items() -> dict[str, int]:
     """Names of the integration methods and their item numbers."""
-    from ..kernel.methods import METHODS
+    from curvebound.kernel.methods import METHODS
 
     return {name: item for item, name in enumerate(METHODS, start=1)}
 
 
 def defaults(name: str) -> tuple[dict[str, float], dict[str, int]]:
     """Start values of the Real parameters and of the choices of an FMU."""
-    from ..fmi.declaration import CHOICE, COUNT_PARAMETER, PARAMETER
-    from ..fmi.folder import find
+    from curvebound.fmi.declaration import CHOICE, COUNT_PARAMETER, PARAMETER
+    from curvebound.fmi.folder import find
 
     variables = find(name).fmu().variables
     return (
@@ -72,17 +72,17 @@ class Kernel:
 
 def interpreted_kernel() -> Kernel:
     """The kernel as Python runs it."""
-    from ..fmi.folder import find
-    from ..kernel.methods import create
+    from curvebound.fmi.folder import find
+    from curvebound.kernel.methods import create
 
     return Kernel(create, {name: find(name).module("kernel").model for name in _STATES})
 
 
 def compiled_kernel() -> Kernel:
     """The kernel as it is compiled for the FMUs; CurveboundError where it cannot."""
-    from ..fmi.compile import load_compiled
-    from ..fmi.folder import find
-    from ..fmi.runtime import runtime, system_sources
+    from curvebound.fmi.compile import load_compiled
+    from curvebound.fmi.folder import find
+    from curvebound.fmi.runtime import runtime, system_sources
 
     factories = {}
     for name in _STATES:

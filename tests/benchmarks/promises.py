@@ -14,16 +14,16 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..bench.timing import interleave, median
-from ..cosim import load_scene
-from .candidate import Candidate, Choice
-from .ensemble import Ensemble
-from .grid import Family, divisions, tolerances
-from .settings import Setting
-from .starts import unseen
-from .study import study_outputs
-from .truth import Truths
-from .tune import Tuner
+from curvebound.cosim import load_scene
+from curvebound.study.candidate import Candidate, Choice
+from curvebound.study.ensemble import Ensemble
+from curvebound.study.grid import Family, divisions, tolerances
+from curvebound.study.settings import Setting
+from curvebound.study.starts import unseen
+from curvebound.study.study import study_outputs
+from curvebound.study.timing import interleave, median
+from curvebound.study.truth import Truths
+from curvebound.study.tune import Tuner
 
 __all__ = ["BOUNDS", "MOST", "Case", "broken", "verify_scene"]
 

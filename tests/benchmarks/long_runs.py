@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...cosim.results import RunFailed
-from ...cosim.scene import Scene
+from curvebound.cosim.results import RunFailed
+from curvebound.cosim.scene import Scene
 
 __all__ = ["EXPECTED", "METHODS", "LongRun", "period", "print_long", "run_long"]
 

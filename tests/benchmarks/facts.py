@@ -1,27 +1,34 @@
-"""Facts about the two systems, measured anew through their FMUs: python -m curvebound.study.facts.
+"""Facts about the two systems, measured anew through their FMUs: python tests/benchmarks facts.
 
 ratio    error of the Cartesian form over that of the angle at the same step of rk4
 drift    growth of the drift without stabilisation, and when the bead falls to the centre
 exact    solver.method = exact at any macro step
 limits   largest step of rk4 up to which every step has an energy error below 10 % over 10 s
-sweep    speed of a sweep: two workers against one, and against fmpy.simulate_fmu in a loop
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from ..cosim import RunFailed, Scene
-from .linear_model import linearize
-from .reference import refer
+from curvebound.cosim import RunFailed, Scene
+from curvebound.study.linear_model import linearize
+from curvebound.study.reference import refer
 
-__all__ = ["drift_law", "exact_errors", "fall_time", "form_ratio", "linear_bound", "step_limit"]
+__all__ = [
+    "configure",
+    "drift_law",
+    "exact_errors",
+    "fall_time",
+    "form_ratio",
+    "linear_bound",
+    "run",
+    "step_limit",
+]
 
 
 def _scene(fmu: str, start: Mapping[str, Any], stop: float, step: float, *paths: str) -> Scene:
@@ -183,41 +190,22 @@ def _say_limits() -> None:
         print(f"a = {a:g} 1/m: rk4 holds up to {limit:.2g} s; 2.83/omega is {over:.2g} times that")
 
 
-def _say_sweep() -> None:
-    from .sweep.speed import sweep_speed
-
-    found = sweep_speed()
-    print(
-        f"two workers: {found.gain:.2f} times the speed of one, {found.best:.2f} in the best "
-        f"round; two processes that share nothing: {found.machine:.2f}"
-    )
-    print(f"two workers: {found.against:.1f} times fmpy.simulate_fmu called with the file name")
-
-
 _SAY: dict[str, Callable[[], None]] = {
     "ratio": _say_ratio,
     "drift": _say_drift,
     "exact": _say_exact,
     "limits": _say_limits,
-    "sweep": _say_sweep,
 }
 
 
-def main(arguments: list[str] | None = None) -> int:
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    choices = [*_SAY, []]  # []: what argparse checks where none is given
+    parser.add_argument("facts", nargs="*", choices=choices, help=", ".join(_SAY))
+
+
+def run(options: argparse.Namespace) -> int:
     """Print the facts asked for, all by default."""
-    parser = argparse.ArgumentParser(
-        prog="python -m curvebound.study.facts", description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
-    parser.add_argument("facts", nargs="*", metavar="FACT", help=", ".join(_SAY))
-    chosen = parser.parse_args(arguments).facts or list(_SAY)
-    unknown = [name for name in chosen if name not in _SAY]
-    if unknown:
-        parser.error(f"there is no fact {unknown[0]}; choose from {', '.join(_SAY)}")
-    for name in chosen:
+    for name in options.facts or _SAY:
         _SAY[name]()
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -6,10 +6,11 @@ import ctypes
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from curvebound.study.timing import Probe, interleave, median, probe, ratio
+
 from . import native
 from .ours import Kernel, compiled_kernel, interpreted_kernel
 from .results import Section, Settings, Table, Target
-from .timing import Probe, interleave, median, probe, ratio
 
 __all__ = ["kernel_section"]
 

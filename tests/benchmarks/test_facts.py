@@ -1,12 +1,11 @@
-"""The known facts of the two systems, as the command curvebound.study.facts measures them."""
+"""The known facts of the two systems, as the command benchmarks.facts measures them."""
 
 from __future__ import annotations
 
 import math
 
 import pytest
-
-from curvebound.study.facts import (
+from benchmarks.facts import (
     drift_law,
     exact_errors,
     fall_time,

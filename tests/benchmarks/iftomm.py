@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...cosim.fmu import Value
-from ...cosim.scene import Scene
+from curvebound.cosim.fmu import Value
+from curvebound.cosim.scene import Scene
 
 __all__ = ["SETTINGS", "STOP", "THRESHOLD", "Benchmark", "position", "print_benchmark", "run_one"]
 

@@ -1,10 +1,10 @@
 """The same SSP package in other tools: fmpy's simulate_ssp, libcosim and ecos, where installed.
 
-    python -m curvebound.cosim.peers TOOL FILE.ssp STEP COUNT COMPONENT.VARIABLE ...
+    python -m benchmarks.ssp_peers TOOL FILE.ssp STEP COUNT COMPONENT.VARIABLE ...
 
-runs one of them in a process of its own (they are native code) and prints JSON: the stepping time
-in s, and the outputs at each communication point after a step. All are Jacobi masters without
-evaluation of direct feedthrough, without the initial point in their records.
+run in tests/, runs one of them in a process of its own (they are native code) and prints JSON: the
+stepping time in s, and the outputs at each communication point after a step. All are Jacobi masters
+without evaluation of direct feedthrough, without the initial point in their records.
 """
 
 from __future__ import annotations
@@ -25,10 +25,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import CurveboundError
-from .ssp import PARAMETER_SET, PARAMETERS
+from curvebound.cosim.ssp import PARAMETER_SET, PARAMETERS
+from curvebound.errors import CurveboundError
 
 __all__ = ["TOOLS", "available", "run_peer"]
+
+TESTS = Path(__file__).resolve().parents[1]
 
 Run = tuple[float, dict[str, list[float]]]
 
@@ -45,10 +47,12 @@ def run_peer(
 
     Raises CurveboundError when the tool fails.
     """
-    command = [sys.executable, "-m", __spec__.name if __spec__ else __name__]
-    command += [tool, str(package), repr(step), str(count), *outputs]
+    command = [sys.executable, "-m", "benchmarks.ssp_peers"]
+    command += [tool, str(package.resolve()), repr(step), str(count), *outputs]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+        done = subprocess.run(
+            command, cwd=TESTS, capture_output=True, text=True, timeout=timeout, check=False
+        )
     except subprocess.TimeoutExpired:
         raise CurveboundError(f"{tool} did not end within {timeout:g} s.") from None
     line = next((x for x in done.stdout.splitlines() if x.startswith("{")), None)
