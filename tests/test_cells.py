@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from curvebound.cells import cell, defused, undefused
 from curvebound.cosim import read_csv, write_csv
 from curvebound.fmi.documentation import csv_text
-from curvebound.study.files import write_rows
+from curvebound.study.data_files import write_rows
 from curvebound.study.sweep.store import Store, read_sweep
 from curvebound.view import read_result
 

@@ -14,7 +14,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from curvebound.study.equations import Array, Equations, Inputs, Number
+from curvebound.study.reference.equations import Array, Equations, Inputs, Number
 
 #: outputs that stand for the whole motion
 MAIN = ("bead.x", "bead.y")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from curvebound.study.equations import Array, Equations, Inputs, Number
+from curvebound.study.reference.equations import Array, Equations, Inputs, Number
 
 _TURN = 2 * np.arctan2(Number(0), Number(-1))
 _MEASURED = (

@@ -17,7 +17,7 @@ import numpy as np
 
 from curvebound.cosim import RunFailed, Scene
 from curvebound.study.linear_model import linearize
-from curvebound.study.reference import refer
+from curvebound.study.reference.reference import refer
 
 __all__ = [
     "configure",

@@ -15,15 +15,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from curvebound.cosim import load_scene
-from curvebound.study.candidate import Candidate, Choice
-from curvebound.study.ensemble import Ensemble
 from curvebound.study.grid import Family, divisions, tolerances
-from curvebound.study.settings import Setting
+from curvebound.study.reference.reference_set import ReferenceSet
+from curvebound.study.settings import Setting, study_outputs
 from curvebound.study.starts import unseen
-from curvebound.study.study import study_outputs
 from curvebound.study.timing import interleave, median
-from curvebound.study.truth import Truths
-from curvebound.study.tune import Tuner
+from curvebound.study.tune.candidate import Candidate, Choice
+from curvebound.study.tune.ensemble import Ensemble
+from curvebound.study.tune.tuner import Tuner
 
 __all__ = ["BOUNDS", "MOST", "Case", "broken", "verify_scene"]
 
@@ -95,7 +94,7 @@ def verify_scene(
     tuner = Tuner(scene, paths, limit=limit)
     try:
         starts = unseen(tuner.system, 0.2, fresh)
-        checks = Truths(tuner.system, tuner.space, paths, changes=starts)
+        checks = ReferenceSet(tuner.system, tuner.space.best_model, paths, changes=starts)
         tell(f"{name}: reference of {fresh} fresh starts")
         _ = checks.reference
         chosen = []
@@ -142,7 +141,7 @@ class _Grid:
     def __init__(
         self,
         tuner: Tuner,
-        checks: Truths,
+        checks: ReferenceSet,
         starts: dict[str, Any],
         fresh: int,
         quick: bool,
@@ -162,7 +161,7 @@ class _Grid:
                 before = (setting, outcome.cpu)
                 if outcome.failure or len(outcome.times) < 2:
                     continue
-                verdicts = tuner.truths.errors(outcome.times, outcome.outputs, member=0)
+                verdicts = tuner.references.errors(outcome.times, outcome.outputs, member=0)
                 errors = {path: v.worst for path, v in verdicts.items()}
                 self.known.append((setting, errors, outcome.cpu))
         self._unseen = Ensemble(tuner.runner, checks, starts)

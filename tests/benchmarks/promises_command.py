@@ -11,7 +11,7 @@ from rich.table import Table
 from curvebound.arguments import positive, whole
 from curvebound.cosim import scene_names
 from curvebound.files import sole_writer
-from curvebound.study.files import write_json
+from curvebound.study.data_files import write_json
 
 from .promises import BOUNDS, MOST, Case, broken, verify_scene
 

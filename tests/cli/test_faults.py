@@ -157,7 +157,7 @@ def test_a_table_that_is_odd(
 def test_a_journal_that_is_none_begins_anew(journal: str, tmp_path: Path) -> None:
     pytest.importorskip("mpmath")
     from curvebound.cosim import load_scene
-    from curvebound.study.study import Study
+    from curvebound.study.precision.study import Study
 
     path = tmp_path / "study.jsonl"
     path.write_text(journal, encoding="latin-1")

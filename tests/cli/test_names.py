@@ -93,8 +93,10 @@ def test_folders_of_scenes_are_below_the_output_folder(
         raise KeyboardInterrupt
 
     if command == "study":
-        monkeypatch.setattr("curvebound.study.study.Study.run", stop)
-        monkeypatch.setattr("curvebound.study.report.write_study", lambda *_, **__: Path("page"))
+        monkeypatch.setattr("curvebound.study.precision.study.Study.run", stop)
+        monkeypatch.setattr(
+            "curvebound.study.precision.report.write_study", lambda *_, **__: Path("page")
+        )
         assert main(["study", str(hostile), "--no-plots", "--out", "out"]) == 1
         assert folders[0].parent.parent == Path("out")
     else:

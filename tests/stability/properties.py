@@ -18,7 +18,7 @@ from curvebound.cosim.results import RunFailed
 from curvebound.cosim.scene import Scene
 from curvebound.fmi.declaration import CHOICE, COUNT, INPUT, OUTPUT, PARAMETER, Variable
 from curvebound.fmi.folder import find
-from curvebound.study.stability.motion import Motion
+from curvebound.study.reference.motion import Motion
 from curvebound.study.stability.ranges import drawer
 from curvebound.study.stability.ranges import sampled as sampled_system
 

@@ -9,7 +9,7 @@ import pytest
 
 from curvebound.fmi.folder import find
 from curvebound.kernel.methods import METHODS, create
-from curvebound.study.stability.motion import Motion
+from curvebound.study.reference.motion import Motion
 from curvebound.study.stability.ranges import sampled
 from curvebound.study.stability.theory import FACTOR, boundary, jacobians, step_matrix, swings
 

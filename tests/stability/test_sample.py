@@ -13,12 +13,12 @@ from benchmarks.references import REFERENCES
 
 from curvebound.fmi.declaration import INPUT, PARAMETER
 from curvebound.fmi.folder import find
+from curvebound.study.reference.motion import Motion
+from curvebound.study.reference.radau import solve
 from curvebound.study.stability import sample
 from curvebound.study.stability.characteristic import LONGEST, exact
-from curvebound.study.stability.motion import Motion
-from curvebound.study.stability.precise import solve
-from curvebound.study.stability.ranges import Point, draw, drawer, sampled
-from curvebound.study.stability.sample import Outcome, Settings, judge, run_sample
+from curvebound.study.stability.ranges import RandomPoint, draw, drawer, sampled
+from curvebound.study.stability.sample import Sampled, SampleSettings, run_sample, sample_error
 from curvebound.study.stability.sample_report import passes, print_sample, write_sample
 
 SYSTEMS = {"bead": "BeadOnWire", "pendulum": "ParabolaPendulum"}
@@ -127,32 +127,32 @@ def columns_of(system: str, reference: object) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_judgement_sees_every_output(system: str) -> None:
-    point = Point(0, dict(OFF[system]))
+    point = RandomPoint(0, dict(OFF[system]))
     reference = exact(DERIVED[system], point.values)
     good = columns_of(system, reference)
-    assert judge(DERIVED[system], point, reference, good)[0] < 1e-15
+    assert sample_error(DERIVED[system], point, reference, good)[0] < 1e-15
     for name in OUTPUTS[system]:
         bad = {k: v.copy() for k, v in good.items()}
         bad[name][7] += 1e-5
-        error, output = judge(DERIVED[system], point, reference, bad)
+        error, output = sample_error(DERIVED[system], point, reference, bad)
         assert output == name
         assert 1e-7 < error < 1e-4
         bad[name][7] = math.nan
-        assert judge(DERIVED[system], point, reference, bad) == (math.inf, name)
+        assert sample_error(DERIVED[system], point, reference, bad) == (math.inf, name)
 
 
 def test_what_hardly_moves_is_measured_by_lengths_and_characteristic_times() -> None:
     """A rate by a millionth of the length per characteristic time, a tenth of the run."""
     length, error = 7.0, 1e-9
-    point = Point(0, {**OFF["pendulum"], "pendulum.length": length})
+    point = RandomPoint(0, {**OFF["pendulum"], "pendulum.length": length})
     still = sample.Exact(50.0, 1, np.zeros((4, 21), dtype=np.longdouble))
     columns = {name: np.zeros(21) for name in OUTPUTS["pendulum"]}
 
     def judged(name: str) -> float:
         off = {**columns, name: np.full(21, error)}
-        return judge(DERIVED["pendulum"], point, still, off)[0]
+        return sample_error(DERIVED["pendulum"], point, still, off)[0]
 
-    assert judge(DERIVED["pendulum"], point, still, columns)[0] == 0.0
+    assert sample_error(DERIVED["pendulum"], point, still, columns)[0] == 0.0
     assert judged("pendulum.angle") == pytest.approx(error)
     assert judged("slider.u") == pytest.approx(error / (1e-6 * length))
     assert judged("slider.u_rate") == pytest.approx(error / (1e-6 * length / 5.0))
@@ -160,7 +160,7 @@ def test_what_hardly_moves_is_measured_by_lengths_and_characteristic_times() -> 
 
 
 def test_what_moves_is_measured_by_how_far() -> None:
-    point = Point(0, {**OFF["pendulum"], "pendulum.length": 2.0})
+    point = RandomPoint(0, {**OFF["pendulum"], "pendulum.length": 2.0})
     sizes = {"slider.u": 30.0, "pendulum.angle": 4.0, "slider.u_rate": 0.5,
              "pendulum.angular_velocity": 8.0}  # fmt: skip
     states = np.outer(list(sizes.values()), np.linspace(0.0, 1.0, 21)).astype(np.longdouble)
@@ -168,13 +168,13 @@ def test_what_moves_is_measured_by_how_far() -> None:
     columns = dict(zip(sizes, states.astype(float), strict=True))
     for name, size in sizes.items():
         off = {**columns, name: columns[name] - 1e-5}
-        error, found = judge(DERIVED["pendulum"], point, moving, off)
+        error, found = sample_error(DERIVED["pendulum"], point, moving, off)
         assert (error, found) == (pytest.approx(1e-5 / size), name)
 
 
 @pytest.mark.parametrize("system", [pytest.param("bead", marks=pytest.mark.slow), "pendulum"])
 def test_a_few_points_are_accurate(system: str, tmp_path: Path) -> None:
-    settings = Settings(SYSTEMS[system])
+    settings = SampleSettings(SYSTEMS[system])
     outcomes = run_sample(settings, 12, 11)
     assert [one.point.number for one in outcomes] == list(range(12))
     assert {one.verdict for one in outcomes} == {"accurate"}
@@ -188,7 +188,7 @@ def test_a_few_points_are_accurate(system: str, tmp_path: Path) -> None:
 
 
 def test_a_loose_tolerance_is_called_wrong_and_a_short_limit_a_failure() -> None:
-    outcomes = run_sample(Settings("ParabolaPendulum", tolerance=1e-2, max_steps=6), 20, 11)
+    outcomes = run_sample(SampleSettings("ParabolaPendulum", tolerance=1e-2, max_steps=6), 20, 11)
     assert {"wrong", "failed"} <= {one.verdict for one in outcomes}
     refused = [one for one in outcomes if one.verdict == "failed"]
     assert 3 < len(refused) < 17
@@ -203,13 +203,13 @@ def test_points_that_are_hard_to_judge(monkeypatch: pytest.MonkeyPatch) -> None:
     Its motion magnifies errors so much that references differ by 2e-6, too.
     """
     monkeypatch.setattr(sample, "ALLOWED", 1e-7)
-    settings = Settings("ParabolaPendulum")
+    settings = SampleSettings("ParabolaPendulum")
     worker = sample._Worker(settings)
     one = drawer("ParabolaPendulum")
 
-    def point(seed: int, number: int) -> Point:
+    def point(seed: int, number: int) -> RandomPoint:
         """Points of samples that were drawn by another name of the system."""
-        return Point(number, one(random.Random(f"pendulum {seed} {number}")))
+        return RandomPoint(number, one(random.Random(f"pendulum {seed} {number}")))
 
     outcome = worker.run(point(2, 776))
     assert outcome.verdict == "warned"
@@ -228,11 +228,18 @@ def test_points_that_are_hard_to_judge(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_sample_is_summed_up_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     """199 points with errors of 1e-8 to 1.99e-6 and 100 to 19900 evaluations, and one refused."""
     outcomes = [
-        Outcome(Point(k, {}), "accurate", k * 1e-8, "slider.u", evaluations=100 * k, seconds=k / 64)
+        Sampled(
+            RandomPoint(k, {}),
+            "accurate",
+            k * 1e-8,
+            "slider.u",
+            evaluations=100 * k,
+            seconds=k / 64,
+        )
         for k in range(1, 200)
     ]
-    outcomes.append(Outcome(Point(7, {}), "failed", message="too many steps", seconds=0.5))
-    print_sample(outcomes, Settings("ParabolaPendulum"), 11)
+    outcomes.append(Sampled(RandomPoint(7, {}), "failed", message="too many steps", seconds=0.5))
+    print_sample(outcomes, SampleSettings("ParabolaPendulum"), 11)
     assert capsys.readouterr().out.splitlines() == [
         "ParabolaPendulum, 200 points, seed 11, adaptive at 1e-08, 10 characteristic times: "
         "199 accurate, 1 failed",
@@ -244,8 +251,8 @@ def test_a_sample_is_summed_up_in_words(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_what_passes() -> None:
-    def outcomes(**count: int) -> list[Outcome]:
-        return [Outcome(Point(0, {}), name) for name, n in count.items() for _ in range(n)]
+    def outcomes(**count: int) -> list[Sampled]:
+        return [Sampled(RandomPoint(0, {}), name) for name, n in count.items() for _ in range(n)]
 
     assert passes(outcomes(accurate=991, failed=9))
     assert passes(outcomes(accurate=991, warned=9))
@@ -259,7 +266,7 @@ def test_what_passes() -> None:
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_a_sample_of_another_seed(system: str) -> None:
     """README's command shows 2000 points of seed 1; these are others."""
-    outcomes = run_sample(Settings(SYSTEMS[system]), 150, 101, jobs=2)
+    outcomes = run_sample(SampleSettings(SYSTEMS[system]), 150, 101, jobs=2)
     bad = [(one.point.number, one.verdict, one.error, one.message) for one in outcomes
            if one.verdict != "accurate"]  # fmt: skip
     assert not [one for one in bad if one[1] != "failed"], bad

@@ -16,13 +16,13 @@ from benchmarks.promises import MOST
 from scipy.stats import t as student
 
 from curvebound.cosim import load_scene
-from curvebound.study.candidate import Candidate
-from curvebound.study.ensemble import Ensemble
-from curvebound.study.follow import coarser, follow
-from curvebound.study.judge import judge
-from curvebound.study.reference import Reference
+from curvebound.study.reference.reference import Reference
+from curvebound.study.reference.reference_set import judge
 from curvebound.study.settings import Setting
-from curvebound.study.tune import Tuner
+from curvebound.study.tune.candidate import Candidate
+from curvebound.study.tune.ensemble import Ensemble
+from curvebound.study.tune.step_search import coarser, search_size
+from curvebound.study.tune.tuner import Tuner
 
 Law = Callable[[Setting], tuple[float, float]]
 ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4, "implicit": 4}
@@ -38,7 +38,7 @@ def family(method: str, step: float = 0.1) -> Setting:
 
 def followed(method: str, law: Law, give_up: float = math.inf, **more: Any) -> list[float]:
     """The sizes tried."""
-    tried = follow(family(method), lambda s: candidate(s, *law(s)), give_up, **more)
+    tried = search_size(family(method), lambda s: candidate(s, *law(s)), give_up, **more)
     return [c.setting.size for c in tried if c.setting.size is not None]
 
 
@@ -83,7 +83,7 @@ def test_what_is_far_below_its_bound_is_made_coarser() -> None:
 
 
 def test_exact_is_run_once() -> None:
-    assert len(follow(family("exact"), lambda s: candidate(s, 2.0, 1.0), 1.0)) == 1
+    assert len(search_size(family("exact"), lambda s: candidate(s, 2.0, 1.0), 1.0)) == 1
 
 
 def test_one_notch_coarser() -> None:
@@ -190,7 +190,7 @@ def obeying(tuner: Tuner, monkeypatch: pytest.MonkeyPatch, law: Law, doubt: floa
     monkeypatch.setattr(tuner.ensemble, "one", one)
     monkeypatch.setattr(tuner.ensemble, "all", every)
     monkeypatch.setattr(tuner.runner, "cost", lambda setting: law(setting)[1])
-    monkeypatch.setattr(tuner, "truths", Truth(doubt))
+    monkeypatch.setattr(tuner, "references", Truth(doubt))
 
 
 def random_law(seed: int) -> Law:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import Scene, load_scene
-from curvebound.study import reference, reference_cache
-from curvebound.study.reference import refer
-from curvebound.study.reference_cache import question
-from curvebound.study.study import identity
+from curvebound.study.identity import identity
+from curvebound.study.reference import reference, reference_cache
+from curvebound.study.reference.reference import refer
+from curvebound.study.reference.reference_cache import question
 
 pytest.importorskip("mpmath")
 PATHS = ["plant.slider.u", "drive.parabola.ax"]
@@ -129,8 +129,8 @@ def test_the_code_of_a_reference_is_all_that_it_imports(tmp_path: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(reference_cache.cache, "sources", watch)
         reference_cache._code.__wrapped__()
-    assert {"reference.py", "monolith.py", "extrapolation.py"} <= seen
-    assert "tune.py" not in seen
+    assert {"reference.py", "monolith.py", "collocation.py"} <= seen
+    assert "tuner.py" not in seen
 
 
 def test_a_changed_statement_is_another_reference(monkeypatch: pytest.MonkeyPatch) -> None:

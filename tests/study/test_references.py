@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import Scene, load_scene
-from curvebound.study.collocation import NOISE
-from curvebound.study.judge import judge
-from curvebound.study.reference import refer
+from curvebound.study.reference.collocation import NOISE
+from curvebound.study.reference.reference import refer
+from curvebound.study.reference.reference_set import judge
 
 pytest.importorskip("mpmath")
 needs_long_double = pytest.mark.skipif(NOISE > 1e-18, reason="long double is a double here")
@@ -115,7 +115,7 @@ def test_a_sampled_loop_is_reproduced() -> None:
 def test_a_wrong_formula_shows_as_uncertainty(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from curvebound.study.equations.mechanical import Mechanical
+    from curvebound.study.reference.equations.mechanical import Mechanical
 
     right = Mechanical.accelerations
 

@@ -11,10 +11,18 @@ import pytest
 from scipy.stats import spearmanr
 
 from curvebound.study import starts
-from curvebound.study.front import cheapest, pareto, usable
 from curvebound.study.grid import divisions, tolerances
-from curvebound.study.teach import LEVELS, crossings, lessons, order_of, ratio_of_forms
-from curvebound.study.trust import Point, Trust, points, trust
+from curvebound.study.precision.lessons import (
+    LEVELS,
+    cheapest,
+    crossings,
+    lessons,
+    order_of,
+    pareto,
+    ratio_of_forms,
+    usable,
+)
+from curvebound.study.precision.live_measures import Measured, Statement, points, statement
 
 
 def row(**changes: Any) -> dict[str, Any]:
@@ -42,7 +50,7 @@ def test_said_and_true_are_relative(
     measure: str, changes: dict[str, Any], said: float, true: float
 ) -> None:
     (found,) = points(measure, {"here": [row(**changes)]})
-    assert found == Point("here", "angle", "rk4", pytest.approx(said), pytest.approx(true))
+    assert found == Measured("here", "angle", "rk4", pytest.approx(said), pytest.approx(true))
 
 
 @pytest.mark.parametrize(
@@ -67,8 +75,8 @@ def test_the_numbers_of_trust() -> None:
     rng = np.random.default_rng(3)
     said = 10.0 ** rng.uniform(-9, -2, 40)
     factors = 10.0 ** rng.uniform(-1.0, 1.5, 40)
-    every = [Point("s", "f", "m", s, s * k) for s, k in zip(said, factors, strict=True)]
-    found = trust("energy.residual", every)
+    every = [Measured("s", "f", "m", s, s * k) for s, k in zip(said, factors, strict=True)]
+    found = statement("energy.residual", every)
     assert found is not None
     assert (found.measure, found.group, found.count) == ("energy.residual", "all", 40)
     assert found.median == pytest.approx(np.median(factors))
@@ -78,9 +86,9 @@ def test_the_numbers_of_trust() -> None:
 
 
 def test_the_same_model_counts_once() -> None:
-    every = [Point("s", "f", m, 0.5, 0.2) for m in ("rk4", "adaptive")]
+    every = [Measured("s", "f", m, 0.5, 0.2) for m in ("rk4", "adaptive")]
     for measure, count in (("model.acceleration_error", 1), ("energy.residual", 2)):
-        found = trust(measure, [*every, Point("other", "f", "rk4", 0.5, 0.2)])
+        found = statement(measure, [*every, Measured("other", "f", "rk4", 0.5, 0.2)])
         assert found is not None
         assert found.count == count + 1
         assert math.isnan(found.correlation)
@@ -102,7 +110,7 @@ def test_the_same_model_counts_once() -> None:
 def test_the_verdict(
     count: int, spread: float, under: float, correlation: float, largest: float, words: str
 ) -> None:
-    made = Trust("m", "all", count, 1.0, 0.1, 0.1 * spread, under, correlation, largest)
+    made = Statement("m", "all", count, 1.0, 0.1, 0.1 * spread, under, correlation, largest)
     assert made.verdict.startswith(words)
     assert made.sentence == (
         f"m: {made.verdict}. In nine of ten runs the true error is 1.0e-01 to "

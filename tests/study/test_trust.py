@@ -10,16 +10,15 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import load_scene
-from curvebound.study.amplitudes import FACTORS, amplitude_rows
-from curvebound.study.contenders import time_again
-from curvebound.study.files import write_json
-from curvebound.study.front import equals
-from curvebound.study.page import study_page
-from curvebound.study.report import write_overview
+from curvebound.study.data_files import write_json
+from curvebound.study.precision.amplitudes import FACTORS, amplitude_rows
+from curvebound.study.precision.lessons import crossings, equals, lessons, order_of, spread_of
+from curvebound.study.precision.live_measures import points, statement
+from curvebound.study.precision.page import study_page
+from curvebound.study.precision.repeated_timing import time_again
+from curvebound.study.precision.report import write_overview
+from curvebound.study.precision.study import Study
 from curvebound.study.runner import Runner
-from curvebound.study.study import Study
-from curvebound.study.teach import crossings, lessons, order_of, spread_of
-from curvebound.study.trust import points, trust
 
 
 def row(size: float, error: float, **changes: Any) -> dict[str, Any]:
@@ -38,7 +37,7 @@ SIZES = [10.0**-n for n in range(2, 12)]
 
 
 def stated(measure: str, rows: list[dict[str, Any]]) -> Any:
-    return trust(measure, points(measure, {"scene": rows}))
+    return statement(measure, points(measure, {"scene": rows}))
 
 
 def test_a_measure_that_follows_the_error_is_called_one() -> None:
@@ -168,7 +167,7 @@ def test_a_simpler_model_is_judged_at_motions_of_many_sizes() -> None:
     scene.stop_time = 1.0
     study = Study.of(scene)
     with Runner(scene, study.space, study.paths) as runner:
-        rows = list(amplitude_rows(study, runner, {}))
+        rows = list(amplitude_rows(runner, {}))
     assert [r["factor"] for r in rows] == list(FACTORS)
     relative = [r["modelling"] / r["amplitude"] for r in rows]
     assert relative[1] / relative[0] == pytest.approx(9.0, rel=0.05)
@@ -183,4 +182,4 @@ def test_a_motion_that_feedback_holds_upright_is_not_made_smaller() -> None:
     scene = load_scene("inverted_balance")
     study = Study.of(scene)
     with Runner(scene, study.space, study.paths) as runner:
-        assert not list(amplitude_rows(study, runner, {}))
+        assert not list(amplitude_rows(runner, {}))

@@ -10,12 +10,12 @@ import pytest
 from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
 from curvebound.study.grid import grid
+from curvebound.study.precision.lessons import order_of
+from curvebound.study.precision.study import Study
 from curvebound.study.settings import space_of
 from curvebound.study.starts import initial_values, surrounding, unseen
-from curvebound.study.study import Study
-from curvebound.study.teach import order_of
-from curvebound.study.tune import Tuner
-from curvebound.study.write import choice_block, put_choice, script_of
+from curvebound.study.tune.script import choice_block, put_choice, script_of
+from curvebound.study.tune.tuner import Tuner
 
 pytest.importorskip("mpmath")
 
@@ -62,10 +62,10 @@ def test_the_choice_meets_its_bound_from_fresh_starts(short: Tuner, bound: float
     choice = short.tune(limits)
     assert choice.chosen is not None
     assert choice.runs < 400
-    from curvebound.study.truth import Truths
+    from curvebound.study.reference.reference_set import ReferenceSet
 
     fresh = unseen(short.system, 0.2, 5)
-    checks = Truths(short.system, short.space, short.paths, changes=fresh)
+    checks = ReferenceSet(short.system, short.space.best_model, short.paths, changes=fresh)
     for member in range(5):
         start = {path: float(values[member]) for path, values in fresh.items()}
         outcome = short.runner.glance(choice.chosen.setting, start)
@@ -193,7 +193,7 @@ def test_a_study_resumes_and_finds_the_order(
 def test_rows_at_smaller_starts_are_kept_as_well(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("curvebound.study.study.grid", lambda *_, **__: [])
+    monkeypatch.setattr("curvebound.study.precision.study.grid", lambda *_, **__: [])
     scene = load_scene("pendulum_small")
     scene.stop_time = 0.2
     journal = tmp_path / "study.jsonl"
@@ -228,7 +228,7 @@ def test_what_is_kept_has_to_exist_and_is_what_is_judged_by() -> None:
     assert not space_of(system).is_simpler
     kept = space_of(system, {"plant.model.fidelity": "linear"})
     assert kept.is_simpler
-    assert kept.truth == {"plant.model.fidelity": "linear"}
+    assert kept.best_model == {"plant.model.fidelity": "linear"}
 
 
 def test_a_frame_rate_that_makes_too_many_steps_is_refused() -> None:

@@ -178,14 +178,14 @@ def _maps(options: argparse.Namespace, requests: list[Any], units: dict[Any, str
 def _sample(options: argparse.Namespace) -> bool:
     from rich.console import Console
 
-    from ..study.stability.sample import Settings, run_sample
+    from ..study.stability.sample import SampleSettings, run_sample
     from ..study.stability.sample_report import passes, print_sample, write_sample
 
     console = Console(highlight=False)
     good = True
     for system in _systems(options):
         method = (options.method or ["adaptive"])[0]
-        settings = Settings(system, method, options.tolerance, options.times)
+        settings = SampleSettings(system, method, options.tolerance, options.times)
         with progress_bar(console) as bar:
             task = bar.add_task(f"sample of the {system}", total=options.sample, note="")
             outcomes = run_sample(

@@ -56,8 +56,8 @@ def run(options: argparse.Namespace) -> int:
     from ..cosim import load_scene, scene_names
     from ..files import inside, remove, sole_writer
     from ..study.extras import require
-    from ..study.report import write_overview, write_study
-    from ..study.study import Study
+    from ..study.precision.report import write_overview, write_study
+    from ..study.precision.study import Study
 
     require("study")
     if not options.no_plots:
@@ -107,7 +107,7 @@ def run(options: argparse.Namespace) -> int:
 def _print(console: Any, study: Any, page: Path) -> None:
     from rich.table import Table
 
-    from ..study.teach import crossings, lessons, spread_of
+    from ..study.precision.lessons import crossings, lessons, spread_of
 
     table = Table(box=None, pad_edge=False, title=f"\n{study.scene.name}", title_justify="left")
     for heading in ("error", "cheapest setting", "macro", "CPU s/s"):

@@ -90,9 +90,9 @@ def run(options: argparse.Namespace) -> int:
 def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
     from ..cosim import load_scene
     from ..errors import CurveboundError
-    from ..study.study import study_outputs
-    from ..study.tune import Tuner
-    from ..study.write import choice_block, put_choice, script_of
+    from ..study.settings import study_outputs
+    from ..study.tune.script import choice_block, put_choice, script_of
+    from ..study.tune.tuner import Tuner
 
     script = script_of(name) if options.write else None
     scene = load_scene(name)
@@ -131,7 +131,7 @@ def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
             tuner.close()
     lines = _words(scene, bounds, choice, budget)
     if tuner.space.is_simpler:
-        kept = ", ".join(f"{path}={item}" for path, item in tuner.space.truth.items())
+        kept = ", ".join(f"{path}={item}" for path, item in tuner.space.best_model.items())
         lines.append(
             f"  Judged against {kept}, as kept: what that model itself is off by is not in it."
         )

@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
-from .equations import system_of
+from .reference.equations import system_of
 
 if TYPE_CHECKING:
     from ..cosim.fmu import Value
+    from ..cosim.scene import Scene
     from ..cosim.system import System
 
-__all__ = ["Setting", "Space", "space_of"]
+__all__ = ["Setting", "Space", "space_of", "study_outputs"]
 
 _METHOD = "solver.method"
 #: rejected steps count too: as many as an integer of FMI holds, so that no choice meets the limit
@@ -147,7 +148,7 @@ class Space:
         return self.approximate[0]
 
     @property
-    def truth(self) -> dict[str, str]:
+    def best_model(self) -> dict[str, str]:
         """Enumeration values of the most accurate model."""
         return self.model(Setting(self.structures[0], "", None, 1.0, ""))
 
@@ -156,7 +157,7 @@ def space_of(system: System, keep: Mapping[str, str] | None = None) -> Space:
     """The choices of a scene that was checked.
 
     keep: enumeration values by path that stay as given. Where they make a simpler model, that is
-        the scene's truth: what the model itself is off by is the user's choice.
+        what the scene is judged by: what the model itself is off by is the user's choice.
     Components of the same FMU share their structure, and all share method and size.
     """
     groups: dict[str, list[str]] = {}
@@ -206,3 +207,15 @@ def space_of(system: System, keep: Mapping[str, str] | None = None) -> Space:
         raise CurveboundError(f"No structure of the scene {system.scene.name} has all of {kept}.")
     plain = [m for m in methods or [] if m != "exact"]
     return Space(system, structures, exact, approximate, plain, plants)
+
+
+def study_outputs(scene: Scene, system: System) -> list[str]:
+    """The outputs that a scene is judged by: those it needs, else what stands for its motion."""
+    needed = list(scene.needs.errors)
+    if needed:
+        return needed
+    return [
+        f"{name}.{output}"
+        for name, node in system.nodes.items()
+        for output in system_of(node.fmu).main
+    ]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .monolith import equations_of
+from .reference.monolith import equations_of
 
 if TYPE_CHECKING:
     from ..cosim.system import System

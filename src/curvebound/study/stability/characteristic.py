@@ -16,10 +16,10 @@ import numpy as np
 
 from ...errors import CurveboundError
 from ...mechanics.derived import Derived
-from ..collocation import Trajectory
-from ..equations import Array
-from .motion import Motion, Values
-from .precise import RESTING, TAIL, Precise, solve
+from ..reference.collocation import Trajectory
+from ..reference.equations import Array
+from ..reference.motion import Motion, Values
+from ..reference.radau import RESTING, TAIL, Precise, solve
 
 __all__ = ["LONGEST", "Exact", "exact"]
 

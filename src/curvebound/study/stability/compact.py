@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...files import write_whole
-from ..plots import COLOURS
+from ..figures import COLOURS
 from .catalogue import Named
 from .maps import Request
 from .stability_map import StabilityMap

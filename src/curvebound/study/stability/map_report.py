@@ -10,8 +10,8 @@ from typing import Any
 from urllib.parse import quote
 
 from ...files import inside, remove, write_whole
-from ..files import write_rows
-from ..page import document
+from ..data_files import write_rows
+from ..precision.page import document
 from .maps import Request
 from .pictures import draw
 from .probe import FAILED, UNKNOWN

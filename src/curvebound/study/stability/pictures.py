@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..plots import GREY, INK, new_figure, save
+from ..figures import GREY, INK, new_figure, save
 from .probe import ACCURATE, FAILED, INACCURATE, UNKNOWN, UNSTABLE
 from .stability_map import Column, StabilityMap
 

@@ -16,11 +16,11 @@ from ...cosim.prepared import Prepared
 from ...cosim.results import Result, RunFailed
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
-from ..equations import system_of
+from ..reference.equations import system_of
+from ..reference.motion import Motion
 from . import theory
-from .motion import Motion
 
-__all__ = ["ACCURATE", "FAILED", "INACCURATE", "UNKNOWN", "UNSTABLE", "Probe", "Verdict"]
+__all__ = ["ACCURATE", "FAILED", "INACCURATE", "UNKNOWN", "UNSTABLE", "Probe", "Probed"]
 
 ACCURATE, INACCURATE, UNSTABLE, FAILED, UNKNOWN = (
     "accurate", "inaccurate", "unstable", "failed", "unknown",
@@ -41,7 +41,7 @@ _REFERENCE: dict[str, Value] = {"solver.method": "adaptive", "solver.tolerance":
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Probed:
     """What became of a run.
 
     error: largest of the judged outputs relative to its largest exact value. energy: largest
@@ -137,7 +137,7 @@ class Probe:
         """Unload the FMUs."""
         self._prepared.close()
 
-    def run(self, value: Value, method: str, size: float) -> Verdict:
+    def run(self, value: Value, method: str, size: float) -> Probed:
         """The verdict of a method at a value of the parameter.
 
         size: internal step in s; tolerance of adaptive. A plant alone communicates as often as the
@@ -146,7 +146,7 @@ class Probe:
         """
         reference, why = self._exact(value)
         if reference is None:
-            return Verdict(UNKNOWN, message=why)
+            return Probed(UNKNOWN, message=why)
         settings: dict[str, Value] = {"solver.method": method}
         every = 1
         if method == "adaptive":
@@ -157,7 +157,7 @@ class Probe:
         try:
             result = self._try(value, every, settings)
         except RunFailed as failure:
-            return Verdict(FAILED, message=failure.cause)
+            return Probed(FAILED, message=failure.cause)
         rows = slice(0, every * (len(result.time) - 1) + 1, every)
         error = growth = 0.0
         for name in self.judged:
@@ -171,8 +171,8 @@ class Probe:
             growth = max(growth, grown / largest if largest > 0.0 else 0.0)
         energy = self._imbalance(result, reference)
         if not (energy <= GROWN and growth <= GROWN):
-            return Verdict(UNSTABLE, error, energy)
-        return Verdict(ACCURATE if error <= self.accuracy else INACCURATE, error, energy)
+            return Probed(UNSTABLE, error, energy)
+        return Probed(ACCURATE if error <= self.accuracy else INACCURATE, error, energy)
 
     def linear_boundaries(
         self, value: Value, method: str, least: float, most: float

@@ -17,9 +17,9 @@ from ...fmi.declaration import CHOICE, INPUT, PARAMETER, Fmu
 from ...fmi.folder import Folder, find, names
 from ...fmi.ranges import Angle, Explored, Items, Range
 from ...mechanics.derived import Derived, derive
-from .motion import Motion
+from ..reference.motion import Motion
 
-__all__ = ["Point", "draw", "drawer", "sampled", "systems"]
+__all__ = ["RandomPoint", "draw", "drawer", "sampled", "systems"]
 
 Value = float | str
 #: of what fmu.py names no range for
@@ -30,7 +30,7 @@ _DAMPING = Range(1e-6, 1e6, share=0.4)
 _PUSH = Range(1e-3, 1e3, signed=True, share=0.15)
 
 
-class Point(NamedTuple):
+class RandomPoint(NamedTuple):
     """One point: its number in the sample and all that it sets, by variable name."""
 
     number: int
@@ -48,11 +48,11 @@ def systems() -> list[str]:
     return [name for name in names() if (find(name).path / "mechanics.py").is_file()]
 
 
-def draw(which: str | Path, count: int, seed: int) -> list[Point]:
+def draw(which: str | Path, count: int, seed: int) -> list[RandomPoint]:
     """The first `count` points of the sample of a system, by its name or folder."""
     name = find(which).name
     one = drawer(which)
-    return [Point(i, one(random.Random(f"{name} {seed} {i}"))) for i in range(count)]
+    return [RandomPoint(i, one(random.Random(f"{name} {seed} {i}"))) for i in range(count)]
 
 
 def drawer(which: str | Path) -> Callable[[random.Random], dict[str, Value]]:

@@ -22,13 +22,13 @@ from ...cosim.results import RunFailed
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
 from ...mechanics.derived import Derived
-from ..equations import Array
+from ..reference.equations import Array
+from ..reference.motion import Motion
 from .characteristic import Exact, exact
-from .motion import Motion
-from .ranges import Point, draw, sampled
+from .ranges import RandomPoint, draw, sampled
 from .workers import without_interrupts, workers
 
-__all__ = ["ALLOWED", "PARTS", "Outcome", "Settings", "judge", "run_sample"]
+__all__ = ["ALLOWED", "PARTS", "SampleSettings", "Sampled", "run_sample", "sample_error"]
 
 #: largest relative error of an accurate point
 ALLOWED = 1e-6
@@ -43,7 +43,7 @@ _WORK = ("solver.steps", "solver.evaluations")
 
 
 @dataclass(frozen=True)
-class Settings:
+class SampleSettings:
     """What a sample is run with: `times` characteristic times, at most `max_steps` a step."""
 
     system: str | Path
@@ -55,7 +55,7 @@ class Settings:
 
 
 @dataclass
-class Outcome:
+class Sampled:
     """What became of a point.
 
     verdict: accurate, failed, warned (inaccurate, and the FMU said so), wrong, crashed, or unknown
@@ -63,7 +63,7 @@ class Outcome:
     residual over the energy at stake.
     """
 
-    point: Point
+    point: RandomPoint
     verdict: str
     error: float = float("nan")
     output: str = ""
@@ -79,7 +79,7 @@ class Outcome:
 class _Worker:
     """A process's scene, kept from point to point."""
 
-    settings: Settings
+    settings: SampleSettings
     prepared: Prepared = field(init=False)
     derived: Derived = field(init=False)
 
@@ -100,14 +100,14 @@ class _Worker:
         scene.record(*(f"plant.{name}" for name in names))
         self.prepared = scene.prepare()
 
-    def run(self, point: Point) -> Outcome:
+    def run(self, point: RandomPoint) -> Sampled:
         """Judge one point."""
         settings = self.settings
         try:
             reference = exact(self.derived, point.values, count=settings.times, parts=PARTS)
         except CurveboundError as error:
-            return Outcome(point, "unknown", message=str(error))
-        outcome = Outcome(point, "accurate", end=reference.end)
+            return Sampled(point, "unknown", message=str(error))
+        outcome = Sampled(point, "accurate", end=reference.end)
         start = {f"plant.{name}": value for name, value in point.values.items()}
         began = clock.perf_counter()
         try:
@@ -119,7 +119,7 @@ class _Worker:
         outcome.seconds = clock.perf_counter() - began
         names = (*self.derived.coordinates, *self.derived.rates, *_ENERGY)
         columns = {name: result[f"plant.{name}"] for name in names}
-        outcome.error, outcome.output = judge(self.derived, point, reference, columns)
+        outcome.error, outcome.output = sample_error(self.derived, point, reference, columns)
         outcome.energy = _energy(columns)
         outcome.steps = int(result["plant.solver.steps"][-1])
         outcome.evaluations = int(result["plant.solver.evaluations"][-1])
@@ -130,8 +130,8 @@ class _Worker:
         return outcome
 
 
-def judge(
-    derived: Derived, point: Point, reference: Exact, columns: dict[str, Array]
+def sample_error(
+    derived: Derived, point: RandomPoint, reference: Exact, columns: dict[str, Array]
 ) -> tuple[float, str]:
     """The largest relative error over time, and the output that has it.
 
@@ -176,31 +176,31 @@ def _energy(columns: dict[str, Array]) -> float:
 _worker: _Worker | None = None
 
 
-def _begin(settings: Settings) -> None:
+def _begin(settings: SampleSettings) -> None:
     global _worker
     _worker = _Worker(settings)
 
 
-def _judged(points: Sequence[Point]) -> list[Outcome]:
+def _judged(points: Sequence[RandomPoint]) -> list[Sampled]:
     assert _worker is not None
     return [_worker.run(point) for point in points]
 
 
 def run_sample(
-    settings: Settings,
+    settings: SampleSettings,
     count: int,
     seed: int,
     *,
     jobs: int = 1,
     progress: Callable[[int], None] | None = None,
-) -> list[Outcome]:
+) -> list[Sampled]:
     """The outcomes of the first `count` points, in their order; the same for any number of jobs.
 
     progress: called with the number of points done. A point that ends its process is reported as
     crashed, and the others go on.
     """
     points = draw(settings.system, count, seed)
-    outcomes: list[Outcome] = []
+    outcomes: list[Sampled] = []
     for part in _parts(settings, points, jobs):
         outcomes += part
         if progress is not None:
@@ -208,12 +208,14 @@ def run_sample(
     return sorted(outcomes, key=lambda one: one.point.number)
 
 
-def _parts(settings: Settings, points: Sequence[Point], jobs: int) -> Iterator[list[Outcome]]:
+def _parts(
+    settings: SampleSettings, points: Sequence[RandomPoint], jobs: int
+) -> Iterator[list[Sampled]]:
     """Outcomes by chunks of points, each computed in another process."""
     size = max(1, min(20, len(points) // (4 * jobs)))
     chunks = [points[i : i + size] for i in range(0, len(points), size)]
     while chunks:
-        lost: list[Sequence[Point]] = []
+        lost: list[Sequence[RandomPoint]] = []
         with workers(jobs, _begin, (settings,)) as pool:
             with without_interrupts():
                 futures: list[Any] = [pool.submit(_judged, chunk) for chunk in chunks]
@@ -232,5 +234,5 @@ def _parts(settings: Settings, points: Sequence[Point], jobs: int) -> Iterator[l
                 try:
                     yield future.result()
                 except BrokenProcessPool:
-                    yield [Outcome(point, "crashed", message="the FMU ended its process")]
+                    yield [Sampled(point, "crashed", message="the FMU ended its process")]
         chunks = lost[1:]

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..files import write_rows
-from .sample import ALLOWED, Outcome, Settings
+from ..data_files import write_rows
+from .sample import ALLOWED, Sampled, SampleSettings
 
 __all__ = ["passes", "print_sample", "write_sample"]
 
@@ -17,14 +17,14 @@ __all__ = ["passes", "print_sample", "write_sample"]
 MOST_FAILURES = 0.01
 
 
-def passes(outcomes: Sequence[Outcome]) -> bool:
+def passes(outcomes: Sequence[Sampled]) -> bool:
     """Whether none is wrong or crashed, and less than MOST_FAILURES failed, warned or unknown."""
     count = Counter(one.verdict for one in outcomes)
     refused = count["failed"] + count["warned"] + count["unknown"]
     return count["wrong"] + count["crashed"] == 0 and refused < MOST_FAILURES * len(outcomes)
 
 
-def write_sample(outcomes: Sequence[Outcome], out: Path) -> Path:
+def write_sample(outcomes: Sequence[Sampled], out: Path) -> Path:
     """Every point with its values as CSV."""
 
     def number(x: float) -> float | None:
@@ -49,7 +49,7 @@ def write_sample(outcomes: Sequence[Outcome], out: Path) -> Path:
     return write_rows(rows, out)
 
 
-def print_sample(outcomes: Sequence[Outcome], settings: Settings, seed: int) -> None:
+def print_sample(outcomes: Sequence[Sampled], settings: SampleSettings, seed: int) -> None:
     """Counts, the largest errors and work, and every point that is not accurate."""
     from rich.console import Console
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from ...cosim.fmu import Value
-from .probe import ACCURATE, FAILED, UNKNOWN, UNSTABLE, Probe, Verdict
+from .probe import ACCURATE, FAILED, UNKNOWN, UNSTABLE, Probe, Probed
 
 __all__ = ["METHODS", "Column", "StabilityMap", "is_stable", "map_column", "sizes_of"]
 
@@ -33,7 +33,7 @@ class Column:
 
     value: float
     duration: float
-    verdicts: dict[float, Verdict] = field(default_factory=dict)
+    verdicts: dict[float, Probed] = field(default_factory=dict)
     assumed: set[float] = field(default_factory=set)
     accurate: float = math.nan
     stable: float = math.nan
@@ -59,12 +59,12 @@ class StabilityMap:
         return "tolerance" if self.method == "adaptive" else "step (s)"
 
 
-def is_stable(verdict: Verdict) -> bool:
+def is_stable(verdict: Probed) -> bool:
     """Whether a run was right in kind, if not in number."""
     return verdict.kind not in (UNSTABLE, FAILED, UNKNOWN)
 
 
-def is_accurate(verdict: Verdict) -> bool:
+def is_accurate(verdict: Probed) -> bool:
     """Whether a run was right."""
     return verdict.kind == ACCURATE
 
@@ -86,7 +86,7 @@ def map_column(probe: Probe, method: str, value: Value, sizes: Sequence[float]) 
     row = 0
     for size in sorted(sizes, reverse=True):
         if row >= SURE:
-            column.verdicts[size] = Verdict(ACCURATE)
+            column.verdicts[size] = Probed(ACCURATE)
             column.assumed.add(size)
             continue
         verdict = column.verdicts[size] = probe.run(value, method, size)
@@ -105,7 +105,7 @@ def map_column(probe: Probe, method: str, value: Value, sizes: Sequence[float]) 
 
 
 def _boundary(
-    probe: Probe, method: str, value: Value, column: Column, holds: Callable[[Verdict], bool]
+    probe: Probe, method: str, value: Value, column: Column, holds: Callable[[Probed], bool]
 ) -> float:
     """The largest size up to which `holds` is true, by bisection between two of the grid."""
     low = math.nan

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .motion import Motion
+from ..reference.motion import Motion
 
 __all__ = ["FACTOR", "boundary", "jacobians", "step_matrix", "swings"]
 

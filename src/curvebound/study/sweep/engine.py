@@ -15,7 +15,7 @@ from ...cosim.fmu import Value, nearest
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
 from ...files import sole_writer
-from ..study import identity
+from ..identity import identity
 from .cluster import connect, run_on_cluster
 from .design import Design
 from .local import run_locally

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import CurveboundError
-from ..plots import GREY, INK, new_figure, save
+from ..figures import GREY, INK, new_figure, save
 from .design import Design
 from .store import read_sweep
 

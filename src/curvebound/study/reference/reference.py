@@ -1,9 +1,8 @@
 """References: what a scene's outputs are, and how sure that is.
 
-The solution is computed twice, by two methods on two formulations, both in extended precision:
-Gauss collocation on coordinates and rates gives the values, and the closed form where there is one,
-else the extrapolated midpoint rule on coordinates and momenta, the witness (for many starts at
-once, collocation of another order on those).
+The solution is computed twice, on two formulations, both in extended precision: Gauss collocation
+on coordinates and rates gives the values, and the closed form where there is one, else collocation
+of another order on coordinates and momenta, the witness.
 Twice the largest difference between them up to a time is the uncertainty stated for that time.
 """
 
@@ -17,12 +16,11 @@ from numpy.typing import NDArray
 
 from .collocation import NOISE, Trajectory, collocate
 from .equations import Array, system_of
-from .extrapolation import extrapolate
 from .monolith import Monolith, Value, _Inputs
 from .reference_cache import kept, question
 
 if TYPE_CHECKING:
-    from ..cosim.system import System
+    from ...cosim.system import System
 
 __all__ = ["Reference", "refer"]
 
@@ -125,17 +123,11 @@ def _compute(
         how = "collocation; " + _closed_form_name(system)
     else:
         other = Monolith(system, changes, continuous=continuous, witness=True)
-        if other.members > 1:
-            # the midpoint rule gains nothing from many members at once, collocation does
-            _, _, states = _collocated(
-                other, begin, end, nodes + 3, lambda x: tell(0.5 + 0.5 * x), checks
-            )
-            how = "collocation; collocation of another order"
-        else:
-            states = _extrapolated(other, begin, end, checks, lambda x: tell(0.5 + 0.5 * x))
-            how = "collocation; extrapolated midpoint rule"
+        _, _, states = _collocated(
+            other, begin, end, nodes + 3, lambda x: tell(0.5 + 0.5 * x), checks
+        )
+        how = "collocation; collocation of another order on coordinates and momenta"
         witness = other.observe(paths, np.array(checks), states)
-        how += " on coordinates and momenta"
     values = own.observe(paths, np.array(checks), trajectory.states(checks))
     doubts = {f"uncertainty {path}": _doubt(values[path], witness[path]) for path in paths}
     return {**doubts, **trajectory.arrays(), "checks": np.array(checks), "how": np.array(how)}
@@ -182,30 +174,6 @@ def _collocated(
             between = (begin + i * spacing for i in range(1, _CHECKS))
             checks = [begin, *sorted({*events, *between, end})]
     return trajectory, list(checks), trajectory.states(checks)
-
-
-def _extrapolated(
-    monolith: Monolith,
-    begin: float,
-    end: float,
-    checks: Sequence[float],
-    tell: Callable[[float], None],
-) -> Array:
-    """States at the check times by the extrapolated midpoint rule."""
-    state = monolith.start()
-    monolith.sample(begin, state)
-    states = [state]
-    size, before = _FIRST, begin
-    wanted = set(checks)
-    events = monolith.events(end)
-    for event in events if monolith.is_sampled else checks[1:]:
-        state, size = extrapolate(monolith.rates, before, event, state, size=size)
-        monolith.sample(event, state)
-        before = event
-        if event in wanted:
-            states.append(state)
-        tell((event - begin) / (end - begin))
-    return np.stack(states, axis=1)
 
 
 def _thinned(events: Sequence[float], begin: float, spacing: float) -> list[float]:

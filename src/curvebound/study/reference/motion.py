@@ -10,7 +10,7 @@ import numpy as np
 
 from ...mechanics.derived import Derived
 from ...mechanics.numeric import double, extended
-from ..equations import Array
+from .equations import Array
 
 __all__ = ["Accelerations", "Motion", "Slopes", "Values"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
+from ..settings import Setting
 from .candidate import Candidate
-from .settings import Setting
 
-__all__ = ["AIM", "coarser", "follow"]
+__all__ = ["AIM", "coarser", "search_size"]
 
 AIM = 0.35  # share of the bound that is aimed at
 _ORDER = {"explicit_euler": 1.0, "semi_implicit_euler": 1.0, "rk4": 4.0, "implicit": 4.0}
@@ -18,7 +18,7 @@ _FINEST = 200_000  # micro steps in a macro step
 _STEP_COST = 5e-8
 
 
-def follow(
+def search_size(
     family: Setting,
     evaluate: Callable[[Setting], Candidate],
     give_up: float,

@@ -1,13 +1,27 @@
-"""What a function of time is made of, as text: two that may differ anywhere read differently."""
+"""What results depend on, as text: two that may differ anywhere read differently."""
 
 from __future__ import annotations
 
+import hashlib
 import pickle
 import uuid
 from collections.abc import Mapping
+from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["described"]
+from .. import cache
+
+if TYPE_CHECKING:
+    from ..cosim.system import System
+
+__all__ = ["described", "identity"]
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_SETTINGS = (
+    *("start_time", "stop_time", "step", "algorithm", "tolerance", "loop_tolerance"),
+    "record_every",
+)
 
 
 def described(value: object, above: tuple[object, ...] = ()) -> str:
@@ -44,3 +58,23 @@ def described(value: object, above: tuple[object, ...] = ()) -> str:
         return pickle.dumps(value).hex()
     except Exception:  # whatever a foreign object raises
         return uuid.uuid4().hex
+
+
+def identity(system: System, **settings: Any) -> str:
+    """A word that changes with all that results depend on: code, FMUs, scene, what was asked."""
+    scene = system.scene
+    parts: list[object] = [cache.sources(_PACKAGE), sorted(settings.items())]
+    parts += [
+        (
+            name,
+            node.fmu.guid,
+            node.dependencies,
+            node.initial_dependencies,
+            sorted(node.start.items()),
+        )
+        for name, node in system.nodes.items()
+    ]
+    parts += [*map(str, system.links), scene.groups, scene.order, scene.adaptive]
+    parts += [getattr(scene, name) for name in _SETTINGS]
+    parts += [(port, described(function)) for port, function in system.signals.items()]
+    return hashlib.sha256("\0".join(map(str, parts)).encode()).hexdigest()[:16]

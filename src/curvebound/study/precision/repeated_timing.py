@@ -10,10 +10,9 @@ from collections.abc import Callable, Iterable, Mapping
 from statistics import median
 from typing import Any
 
-from .front import cheapest, usable
-from .runner import Runner
-from .settings import Setting
-from .teach import LEVELS
+from ..runner import Runner
+from ..settings import Setting
+from .lessons import LEVELS, cheapest, usable
 
 __all__ = ["contenders", "time_again"]
 

@@ -8,11 +8,11 @@ import tokenize
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..cosim.fmu import Value
-from ..cosim.scene import Scene
-from ..errors import CurveboundError
-from ..files import sole_writer, write_whole
-from .settings import Setting, Space
+from ...cosim.fmu import Value
+from ...cosim.scene import Scene
+from ...errors import CurveboundError
+from ...files import sole_writer, write_whole
+from ..settings import Setting, Space
 
 __all__ = ["choice_block", "put_choice", "script_of"]
 
@@ -22,7 +22,7 @@ _END = "# end of the choice"
 
 def script_of(which: str) -> Path:
     """The script of a scene given as a file or by name; CurveboundError where there is none."""
-    from ..places import scenarios_directory
+    from ...places import scenarios_directory
 
     path = Path(which)
     if path.suffix == ".ssp":

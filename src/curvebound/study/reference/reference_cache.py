@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import cache
-from .described import described
+from ... import cache
+from ..identity import described
 from .equations import Array, stated_in
 from .monolith import Monolith, Value
 
 if TYPE_CHECKING:
-    from ..cosim.system import System
+    from ...cosim.system import System
 
 __all__ = ["kept", "question"]
 

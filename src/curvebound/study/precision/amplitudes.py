@@ -11,16 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .equations import system_of
-from .runner import Runner
-from .settings import Setting
-from .starts import initial_values, set_points
-from .truth import Truths
+from ..reference.equations import system_of
+from ..reference.reference_set import ReferenceSet
+from ..runner import Runner
+from ..settings import Setting
+from ..starts import initial_values, set_points
 
 if TYPE_CHECKING:
-    from ..cosim.fmu import Fmu
-    from ..cosim.system import System
-    from .study import Study
+    from ...cosim.fmu import Fmu
+    from ...cosim.system import System
 
 __all__ = ["FACTORS", "amplitude_rows"]
 
@@ -31,22 +30,23 @@ FACTORS = (0.01, 0.03, 0.1, 0.3)
 _TOLERANCE = 1e-11  # of `adaptive`: what is left is the model's error
 
 
-def amplitude_rows(study: Study, runner: Runner, known: Mapping[str, Row]) -> Iterator[Row]:
+def amplitude_rows(runner: Runner, known: Mapping[str, Row]) -> Iterator[Row]:
     """Rows with purpose `amplitude`, one per simpler model and factor; from `known` by their key.
 
     Empty where the scene has no simpler model, begins at rest, or is held away from it by feedback.
     """
-    start = _motion(study.system)
-    if not start or not any(study.space.approximate):
+    space, system = runner.space, runner.space.system
+    start = _motion(system)
+    if not start or not any(space.approximate):
         return
     factors = np.array(FACTORS)
     changes = {path: value * factors for path, value in start.items()}
-    truths = Truths(study.system, study.space, study.paths, changes=changes)
-    for structure, simpler in zip(study.space.structures, study.space.approximate, strict=True):
+    references = ReferenceSet(system, space.best_model, runner.paths, changes=changes)
+    for structure, simpler in zip(space.structures, space.approximate, strict=True):
         if not simpler:
             continue
         setting = Setting(
-            structure, "adaptive", _TOLERANCE, study.scene.step, study.scene.algorithm
+            structure, "adaptive", _TOLERANCE, runner.scene.step, runner.scene.algorithm
         )
         for member, factor in enumerate(FACTORS):
             key = f"amplitude|{setting.key}|{factor!r}"
@@ -57,15 +57,15 @@ def amplitude_rows(study: Study, runner: Runner, known: Mapping[str, Row]) -> It
             outcome = runner.run(setting, smaller)
             if outcome.failure or len(outcome.times) < 2:
                 continue
-            verdicts = truths.errors(outcome.times, outcome.outputs, member=member)
-            exact = truths.values(study.space.truth, outcome.times)
+            verdicts = references.errors(outcome.times, outcome.outputs, member=member)
+            exact = references.values(space.best_model, outcome.times)
             error = max(v.worst for v in verdicts.values())
             yield {
                 "purpose": "amplitude", "form": setting.form, "method": setting.method,
                 "size_is": "tolerance", "size": setting.size, "macro_step": setting.step,
                 "algorithm": setting.algorithm, "cpu": outcome.cpu, "factor": factor,
                 "acceleration_error": outcome.measures.get("model.acceleration_error"),
-                "amplitude": max(float(np.ptp(exact[p][:, member])) for p in study.paths),
+                "amplitude": max(float(np.ptp(exact[p][:, member])) for p in runner.paths),
                 "error": error, "numerical": 0.0, "modelling": error, "failure": "",
                 "judged": all(v.judged for v in verdicts.values()),
                 "judged_until": min(v.until for v in verdicts.values()),

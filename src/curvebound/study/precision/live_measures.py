@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["MEASURES", "Point", "Trust", "points", "trust"]
+__all__ = ["MEASURES", "Measured", "Statement", "points", "statement"]
 
 Row = dict[str, Any]
 _ROUNDING = 1e-13  # relative error below which rounding rules, not the measure
@@ -30,7 +30,7 @@ MEASURES = {
 
 
 @dataclass(frozen=True)
-class Point:
+class Measured:
     """What a measure said of one run, and what the error was, both relative."""
 
     scene: str
@@ -41,7 +41,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Trust:
+class Statement:
     """The factor true / said over `count` runs; correlation: of the ranks (Spearman).
 
     under: share of the runs in which the true error was above ten times what was said;
@@ -94,7 +94,7 @@ class Trust:
         )
 
 
-def points(measure: str, studies: Mapping[str, Sequence[Row]]) -> list[Point]:
+def points(measure: str, studies: Mapping[str, Sequence[Row]]) -> list[Measured]:
     """All runs that the measure applies to; studies: rows by scene."""
     found = []
     for scene, rows in studies.items():
@@ -108,7 +108,7 @@ def points(measure: str, studies: Mapping[str, Sequence[Row]]) -> list[Point]:
                 continue
             true /= amplitude
             if _ROUNDING < true < 1.0 and said > 1e-17:
-                found.append(Point(scene, row["form"], row["method"], said, true))
+                found.append(Measured(scene, row["form"], row["method"], said, true))
     return found
 
 
@@ -123,7 +123,7 @@ def _pair(measure: str, row: Row) -> tuple[float, float]:
     return (row["acceleration_error"] or 0.0), row.get("modelling", 0.0)
 
 
-def trust(measure: str, found: Iterable[Point], group: str = "all") -> Trust | None:
+def statement(measure: str, found: Iterable[Measured], group: str = "all") -> Statement | None:
     """The statement on a measure from its points; None without any."""
     every = list(found)
     if measure == _OF_MODEL:  # the same model, run many times, counts once
@@ -134,7 +134,7 @@ def trust(measure: str, found: Iterable[Point], group: str = "all") -> Trust | N
     true = np.array([p.true for p in every])
     ratio = true / said
     low, median, high = np.quantile(ratio, [0.05, 0.5, 0.95])
-    return Trust(
+    return Statement(
         measure, group, len(every), float(median), float(low), float(high),
         float(np.mean(ratio > 10.0)), _spearman(said, true), float(ratio.max()),
     )  # fmt: skip

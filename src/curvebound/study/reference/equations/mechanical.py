@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanics.derived import Derived
-from ...mechanics.numeric import extended
+from ....mechanics.derived import Derived
+from ....mechanics.numeric import extended
 from .base import Array, Equations, Inputs, Number, Witness
 
 __all__ = ["Hamilton", "Mechanical", "Symbols"]

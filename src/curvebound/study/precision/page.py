@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from ..files import inside, write_whole
-from .front import equals, pareto, usable
-from .teach import crossings, lessons, name_of, spread_of
-from .trust import MEASURES, Trust
+from ...files import inside, write_whole
+from .lessons import crossings, equals, lessons, name_of, pareto, spread_of, usable
+from .live_measures import MEASURES, Statement
 
 __all__ = ["document", "overview_page", "study_page"]
 
@@ -113,7 +112,7 @@ def study_page(
     references: Sequence[Row],
     paths: Sequence[str],
     complete: bool,
-    statements: Sequence[Trust],
+    statements: Sequence[Statement],
     footer: str,
 ) -> Path:
     """Write the page of one scene to `out`; pictures are taken from the files beside it."""
@@ -233,7 +232,7 @@ _TRUST_WORDS = (
 )
 
 
-def _trust_table(statements: Sequence[Trust]) -> str:
+def _trust_table(statements: Sequence[Statement]) -> str:
     return _table(
         ["measure", "of", "runs", "true / said, median", "from (5 %)", "to (95 %)",
          "over 10 times", "rank correlation", "so it is"],
@@ -247,7 +246,7 @@ def _trust_table(statements: Sequence[Trust]) -> str:
 
 
 def overview_page(
-    out: Path, studies: Mapping[str, Row], statements: Sequence[Trust], footer: str
+    out: Path, studies: Mapping[str, Row], statements: Sequence[Statement], footer: str
 ) -> Path:
     """Write the page of all scenes studied so far: the cheapest settings, and the measures."""
     parts = [

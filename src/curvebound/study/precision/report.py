@@ -8,12 +8,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ..errors import CurveboundError
-from .files import read_json, write_json, write_rows
+from ...errors import CurveboundError
+from ..data_files import read_json, write_json, write_rows
+from .live_measures import MEASURES, Measured, Statement, points, statement
 from .page import overview_page, study_page
 from .plots import draw_macro, draw_precision, draw_trust, draw_work
 from .study import Study
-from .trust import MEASURES, Point, Trust, points, trust
 
 __all__ = ["write_overview", "write_study"]
 
@@ -21,25 +21,27 @@ Row = dict[str, Any]
 
 
 def _footer() -> str:
-    from ..machine import machine
+    from ...machine import machine
 
     return html.escape("; ".join(f"{name} {value}" for name, value in machine().items()))
 
 
-def _statements(studies: Mapping[str, Sequence[Row]]) -> tuple[list[Trust], list[list[Point]]]:
+def _statements(
+    studies: Mapping[str, Sequence[Row]],
+) -> tuple[list[Statement], list[list[Measured]]]:
     """Per measure: over everything, and by formulation; with the points."""
-    said: list[Trust] = []
+    said: list[Statement] = []
     found = []
     for measure in MEASURES:
         every = points(measure, studies)
         found.append(every)
-        whole = trust(measure, every)
+        whole = statement(measure, every)
         if whole is not None:
             said.append(whole)
         groups = list(dict.fromkeys(p.form for p in every))
         if len(groups) > 1:
             for group in groups:
-                one = trust(measure, [p for p in every if p.form == group], group)
+                one = statement(measure, [p for p in every if p.form == group], group)
                 if one is not None:
                     said.append(one)
     return said, found

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .judge import Verdict
-from .settings import Setting
+from ..reference.reference_set import Verdict
+from ..settings import Setting
 
 __all__ = ["Candidate", "Choice"]
 

@@ -12,14 +12,14 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ...errors import CurveboundError
-from ...mechanics.derived import Derived, derive_text
+from ....errors import CurveboundError
+from ....mechanics.derived import Derived, derive_text
 from .base import Equations, System
 from .mechanical import Hamilton, Mechanical
 from .propagator import propagator
 
 if TYPE_CHECKING:
-    from ...cosim.fmu import Fmu
+    from ....cosim.fmu import Fmu
 
 __all__ = ["stated_in", "system_of"]
 

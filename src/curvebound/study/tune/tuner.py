@@ -15,20 +15,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import CurveboundError
+from ...errors import CurveboundError
+from ..grid import algorithms, is_sampled
+from ..reference.reference_set import ReferenceSet
+from ..runner import Runner
+from ..settings import Setting, Space, space_of
+from ..starts import surrounding
+from ..timing import interleave, median
 from .candidate import Candidate, Choice
 from .ensemble import Ensemble
-from .follow import AIM, coarser, follow
-from .grid import algorithms, is_sampled
-from .runner import Runner
-from .settings import Setting, Space, space_of
-from .starts import surrounding
-from .timing import interleave, median
-from .truth import Truths
+from .step_search import AIM, coarser, search_size
 
 if TYPE_CHECKING:
-    from ..cosim.scene import Scene
-    from ..cosim.system import System
+    from ...cosim.scene import Scene
+    from ...cosim.system import System
 
 __all__ = ["Tuner"]
 
@@ -73,9 +73,11 @@ class Tuner:
             raise CurveboundError(f"The frame rate is {rate} Hz; give a finite one above zero.")
         self.step = self._macro_step(rate)
         around = surrounding(self.system, spread, starts)
-        self.truths = Truths(self.system, self.space, paths, changes=around, continuous=continuous)
+        self.references = ReferenceSet(
+            self.system, self.space.best_model, paths, changes=around, continuous=continuous
+        )
         self.runner = Runner(scene, self.space, paths)
-        self.ensemble = Ensemble(self.runner, self.truths, around)
+        self.ensemble = Ensemble(self.runner, self.references, around)
 
     def close(self) -> None:
         """Free the FMUs."""
@@ -109,7 +111,7 @@ class Tuner:
             raise CurveboundError(f"Give an error bound above zero for {', '.join(missing)}.")
         if budget is not None and not 0.0 < budget < math.inf:
             raise CurveboundError(f"The budget is {budget} s; give a finite one above zero.")
-        _ = self.truths.reference
+        _ = self.references.reference
         tried: list[Candidate] = []
         macro = self._macro(bounds, tried, tell)
         fronts: list[Candidate] = []
@@ -117,7 +119,7 @@ class Tuner:
         dearest = self.limit / self.span
         for family in self._families(macro):
             tell(family.label)
-            seen = follow(
+            seen = search_size(
                 family,
                 lambda s: self.ensemble.one(s, bounds),
                 min(2.0 * cheapest, dearest),
@@ -168,7 +170,7 @@ class Tuner:
                 break
             tell(f"{front.setting.label}: {members} starts")
             give_up = 4.0 * min((c.cpu for c in fitting or likely), default=math.inf)
-            seen = follow(
+            seen = search_size(
                 front.setting.family,
                 lambda s: self.ensemble.all(s, bounds),
                 min(give_up, self.limit / self.span),
@@ -234,7 +236,7 @@ class Tuner:
 
     def _until(self, bounds: Mapping[str, float]) -> float:
         """Time up to which the reference can tell whether the bounds are met, for all starts."""
-        reference = self.truths.reference
+        reference = self.references.reference
         times = np.linspace(self.scene.start_time, self.scene.stop_time, 401)
         until = self.scene.stop_time
         for path in self.paths:

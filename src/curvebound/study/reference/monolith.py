@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..cosim.points import communication_times
-from ..errors import CurveboundError
+from ...cosim.points import communication_times
+from ...errors import CurveboundError
 from .equations import Array, Equations, Witness, system_of
 
 if TYPE_CHECKING:
-    from ..cosim.system import Node, Port, System
+    from ...cosim.system import Node, Port, System
 
 __all__ = ["Monolith", "equations_of"]
 

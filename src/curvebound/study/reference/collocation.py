@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import CurveboundError
+from ...errors import CurveboundError
 from .equations import Array
 
 __all__ = ["NOISE", "Rates", "Trajectory", "collocate"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from collections.abc import Callable, Sequence
@@ -13,66 +12,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import cache
-from ..files import append, write_whole
+from ...files import append, write_whole
+from ..grid import Family, grid, is_sampled
+from ..identity import identity
+from ..reference.reference_set import ReferenceSet
+from ..runner import Outcome, Runner
+from ..settings import Setting, Space, space_of, study_outputs
 from .amplitudes import amplitude_rows
-from .contenders import time_again
-from .described import described
-from .grid import Family, grid, is_sampled
-from .runner import Outcome, Runner
-from .settings import Setting, Space, space_of
-from .truth import Truths
+from .repeated_timing import time_again
 
 if TYPE_CHECKING:
-    from ..cosim.scene import Scene
-    from ..cosim.system import System
+    from ...cosim.scene import Scene
+    from ...cosim.system import System
 
-__all__ = ["Row", "Study", "identity", "study_outputs"]
+__all__ = ["Row", "Study"]
 
 Row = dict[str, Any]
 #: told (settings done, settings in all, label of the present one)
 Progress = Callable[[int, int, str], None]
 
-_PACKAGE = Path(__file__).resolve().parents[1]
-_SETTINGS = (
-    *("start_time", "stop_time", "step", "algorithm", "tolerance", "loop_tolerance"),
-    "record_every",
-)
 _FLOOR = 3e-15  # errors below this are rounding: finer settings cannot show more
-
-
-def study_outputs(scene: Scene, system: System) -> list[str]:
-    """The outputs that a scene is judged by: those it needs, else what stands for its motion."""
-    from .equations import system_of
-
-    needed = list(scene.needs.errors)
-    if needed:
-        return needed
-    return [
-        f"{name}.{output}"
-        for name, node in system.nodes.items()
-        for output in system_of(node.fmu).main
-    ]
-
-
-def identity(system: System, **settings: Any) -> str:
-    """A word that changes with all that results depend on: code, FMUs, scene, what was asked."""
-    scene = system.scene
-    parts: list[object] = [cache.sources(_PACKAGE), sorted(settings.items())]
-    parts += [
-        (
-            name,
-            node.fmu.guid,
-            node.dependencies,
-            node.initial_dependencies,
-            sorted(node.start.items()),
-        )
-        for name, node in system.nodes.items()
-    ]
-    parts += [*map(str, system.links), scene.groups, scene.order, scene.adaptive]
-    parts += [getattr(scene, name) for name in _SETTINGS]
-    parts += [(port, described(function)) for port, function in system.signals.items()]
-    return hashlib.sha256("\0".join(map(str, parts)).encode()).hexdigest()[:16]
 
 
 @dataclass
@@ -113,14 +72,16 @@ class Study:
         known = self._open(journal)
         families = list(grid(self.scene, self.space, quick=self.quick))
         count = sum(len(family.settings) for family in families)
-        truths = Truths(self.system, self.space, self.paths)
+        references = ReferenceSet(self.system, self.space.best_model, self.paths)
         sampled = is_sampled(self.scene, self.space)
         continuous = (
-            Truths(self.system, self.space, self.paths, continuous=True) if sampled else None
+            ReferenceSet(self.system, self.space.best_model, self.paths, continuous=True)
+            if sampled
+            else None
         )
         if progress is not None:
             progress(0, count, "references")
-        self.references = [_described(truths, self.space.truth, "scene")]
+        self.references = [_described(references, self.space.best_model, "scene")]
         done = 0
         settings: dict[str, Setting] = {}
         with Runner(self.scene, self.space, self.paths) as runner:
@@ -135,7 +96,7 @@ class Study:
                     if row is None:
                         if before is not None and self._hopeless(family, setting, before):
                             break
-                        row = self._row(family, setting, runner, truths, continuous)
+                        row = self._row(family, setting, runner, references, continuous)
                         row["key"] = key
                         _append(journal, row)
                     self.rows.append(row)
@@ -149,16 +110,16 @@ class Study:
                 _append(journal, row)
             if progress is not None:
                 progress(done, count, "smaller motions")
-            for row in amplitude_rows(self, runner, known):
+            for row in amplitude_rows(runner, known):
                 if row["key"] not in known:
                     _append(journal, row)
                 self.rows.append(row)
         for structure, simpler in zip(self.space.structures, self.space.approximate, strict=True):
             if simpler:
                 model = self.space.model(Setting(structure, "", None, 1.0, ""))
-                self.references.append(_described(truths, model, "simpler model"))
+                self.references.append(_described(references, model, "simpler model"))
         if continuous is not None:
-            self.references.append(_described(continuous, self.space.truth, "continuous"))
+            self.references.append(_described(continuous, self.space.best_model, "continuous"))
         self.complete = True
         if progress is not None:
             progress(count, count, "done")
@@ -181,8 +142,8 @@ class Study:
         family: Family,
         setting: Setting,
         runner: Runner,
-        truths: Truths,
-        continuous: Truths | None,
+        references: ReferenceSet,
+        continuous: ReferenceSet | None,
     ) -> Row:
         outcome = runner.run(setting)
         row: Row = {
@@ -209,21 +170,21 @@ class Study:
             row["failure"] = outcome.failure or "nothing was recorded"
             return row
         row["cpu"] = runner.cost(setting)
-        row |= self._errors(setting, outcome, truths)
+        row |= self._errors(setting, outcome, references)
         if continuous is not None and family.purpose == "macro":
             verdicts = continuous.errors(outcome.times, outcome.outputs)
             row["from_continuous"] = max(v.worst for v in verdicts.values())
         return row
 
-    def _errors(self, setting: Setting, outcome: Outcome, truths: Truths) -> Row:
+    def _errors(self, setting: Setting, outcome: Outcome, references: ReferenceSet) -> Row:
         """Errors of each output: total, numerical and of the model."""
         times = outcome.times
-        total = truths.errors(times, outcome.outputs)
+        total = references.errors(times, outcome.outputs)
         own = total
         row: Row = {}
         if self.space.is_approximate(setting):
-            own = truths.errors(times, outcome.outputs, model=self.space.model(setting))
-            model = truths.modelling(setting, times)
+            own = references.errors(times, outcome.outputs, model=self.space.model(setting))
+            model = references.modelling(self.space.model(setting), times)
             row["modelling"] = max(v.worst for v in model.values())
             row |= {f"modelling.worst.{path}": v.worst for path, v in model.items()}
             row |= {f"modelling.final.{path}": v.final for path, v in model.items()}
@@ -232,7 +193,7 @@ class Study:
         for kind, verdicts in (("total", total), ("numerical", own)):
             row |= {f"{kind}.worst.{path}": v.worst for path, v in verdicts.items()}
             row |= {f"{kind}.final.{path}": v.final for path, v in verdicts.items()}
-        exact = truths.values(self.space.truth, times)
+        exact = references.values(self.space.best_model, times)
         row["amplitude"] = max(float(np.ptp(exact[path][:, 0])) for path in self.paths)
         row["error"] = max(v.worst for v in total.values())
         row["numerical"] = max(v.worst for v in own.values())
@@ -266,8 +227,8 @@ def _append(journal: Path | None, row: Row) -> None:
         append(journal, json.dumps(row) + "\n")
 
 
-def _described(truths: Truths, model: dict[str, str], what: str) -> Row:
-    reference = truths.of_model(model)
-    stop = truths.system.scene.stop_time
-    doubt = {path: float(reference.uncertainty(path, [stop])[0, 0]) for path in truths.paths}
+def _described(references: ReferenceSet, model: dict[str, str], what: str) -> Row:
+    reference = references.of_model(model)
+    stop = references.system.scene.stop_time
+    doubt = {path: float(reference.uncertainty(path, [stop])[0, 0]) for path in references.paths}
     return {"what": what, "model": model, "how": reference.how, "uncertainty": doubt}

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..reference.reference_set import ReferenceSet
+from ..runner import Runner
+from ..settings import Setting
 from .candidate import Candidate
-from .runner import Runner
-from .settings import Setting
-from .truth import Truths
 
 __all__ = ["Ensemble"]
 
@@ -28,11 +28,11 @@ class Ensemble:
     def __init__(
         self,
         runner: Runner,
-        truths: Truths,
+        references: ReferenceSet,
         starts: Mapping[str, NDArray[np.float64]],
     ) -> None:
         self.runner = runner
-        self.truths = truths
+        self.references = references
         self.starts = starts
         self.members = max((len(values) for values in starts.values()), default=1)
         self.runs = 0
@@ -44,7 +44,9 @@ class Ensemble:
         self.runs += 1
         if outcome.failure or len(outcome.times) < 2:
             return Candidate(setting, math.inf, outcome.cpu, math.inf, failure=outcome.failure)
-        verdicts = self.truths.errors(outcome.times, outcome.outputs, member=member, least=bounds)
+        verdicts = self.references.errors(
+            outcome.times, outcome.outputs, member=member, least=bounds
+        )
         miss = max(v.worst / bounds[path] for path, v in verdicts.items())
         return Candidate(setting, miss, outcome.cpu, miss, verdicts=verdicts)
 

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mechanics.derived import Derived
+from ....mechanics.derived import Derived
 
 __all__ = ["Array", "Equations", "Inputs", "Number", "System", "Witness"]
 

@@ -1,0 +1,1 @@
+"""The cheapest setting that meets the bounds of a scene, found with few runs."""
