@@ -30,10 +30,13 @@ from .fmi.compile import why_not
 from .fmi.declaration import CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu
 from .fmi.folder import Folder
 from .mechanics.numeric import extended
+from .study.stability.sample import Settings, run_sample
+from .study.stability.sample_report import passes
 
 __all__ = [
     "CHECKS",
     "is_a_valid_fmu",
+    "is_right_at_random_points",
     "keeps_the_balance_of_energy",
     "kernel_follows_mechanics",
     "methods_have_their_orders",
@@ -49,6 +52,8 @@ _ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4, "implicit": 
 _COUNTS = (50, 200, 800, 3200)
 #: states at which accelerations are compared, and how close they are, relative
 _STATES, _CLOSE = 300, 1e-12
+#: points of its ranges that are run
+_POINTS = 200
 #: an error below this is rounding
 _NOISE = 3e-12
 #: amplitude of an input in a check, by unit
@@ -168,6 +173,27 @@ def saves_its_whole_state(folder: Path | str) -> None:
             assert not wrong, f"{label}{method}: {', '.join(wrong)} differ after fmi2SetFMUstate"
 
 
+def is_right_at_random_points(folder: Path | str) -> None:
+    """Random points of its ranges, run with `adaptive`, are accurate or say that they are not.
+
+    Those of `curvebound stability --sample`, judged by references in extended precision.
+    """
+    system = _of(folder)
+    if not system.has("mechanics"):
+        return
+    outcomes = run_sample(Settings(system.path, fmu=cached_fmu(system)), _POINTS, 1)
+    bad = [one for one in outcomes if one.verdict != "accurate"]
+    assert passes(outcomes), (
+        f"{len(bad)} of {len(outcomes)} points of its ranges are not accurate; fmu.py may declare "
+        "other ranges. The first:\n"
+        + "\n".join(
+            f"{one.verdict}, {one.message or f'error {one.error:.1e} of {one.output}'}, "
+            f"at {one.point.values}"
+            for one in bad[:3]
+        )
+    )
+
+
 def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
     """The compiled kernel gives the same bits as the interpreted one."""
     if why_not():
@@ -190,6 +216,7 @@ CHECKS: tuple[Callable[[Path | str], None], ...] = (
     keeps_the_balance_of_energy,
     methods_have_their_orders,
     saves_its_whole_state,
+    is_right_at_random_points,
     runs_alike_compiled_and_interpreted,
 )
 

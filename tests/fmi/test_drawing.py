@@ -22,6 +22,13 @@ def test_an_fmu_carries_its_drawing(interpreted_fmus: Path, name: str) -> None:
         assert read(archive.read("resources/drawing.json")) == find(name).drawing()
 
 
+def test_names_may_have_words_of_python_in_them() -> None:
+    tree = parse("wave.lambda * sin(is.x) + class.if_")
+    assert variables_of(tree) == {"wave.lambda", "is.x", "class.if_"}
+    with pytest.raises(CurveboundError, match="is no formula"):
+        parse("bead.x if bead.y else 0")
+
+
 @pytest.mark.parametrize(
     ("drawing", "said"),
     [

@@ -47,3 +47,16 @@ def test_a_fault_is_found(check: Callable[[Path], None], tmp_path: Path, monkeyp
     with pytest.raises(AssertionError, match=said) as caught:
         check(folder)
     assert "model.formulation = angle: " in str(caught.value)
+
+
+def test_a_fault_is_found_at_random_points(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_: "it takes too long here")
+    monkeypatch.setattr(checks, "_POINTS", 8)
+    folder = tmp_path / "bead_on_wire"
+    shutil.copytree(find("BeadOnWire").path, folder)
+    source = folder / "angle.py"
+    old = "a0 -= k * v0"
+    source.write_text(source.read_text().replace(old, "a0 -= 1.0001 * k * v0"))
+    with pytest.raises(AssertionError, match="points of its ranges are not accurate") as caught:
+        checks.is_right_at_random_points(folder)
+    assert "wrong, error" in str(caught.value)

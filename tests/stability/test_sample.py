@@ -79,6 +79,33 @@ def at_ten_seconds(system: str, **changes: float | str) -> np.ndarray:
     return found.trajectory.states([10.0])[:, 0, 0]
 
 
+def test_a_parameter_of_the_frame_is_no_drive() -> None:
+    """It would be zero most of the time: a radius, or the bend of a wire."""
+    folder = Path(__file__).parents[1] / "mechanics" / "systems" / "pendulum_on_sine"
+    points = [point.values for point in draw(folder, 40, 1)]
+    assert all(values["wire.amplitude"] != 0.0 for values in points)
+    assert 20 < sum(values["wire.ax"] == 0.0 for values in points) < 40
+
+
+def test_points_keep_to_the_domains_of_variables(tmp_path: Path) -> None:
+    (tmp_path / "winch").mkdir()
+    (tmp_path / "winch" / "mechanics.py").write_text(
+        "from curvebound.mechanics import Mechanics, length, mass, parameter\n"
+        "x, b = length('load.u'), parameter('rail.bend')\n"
+        "MECHANICS = Mechanics([x], [mass('load', x, b * x**2)])\n"
+    )
+    (tmp_path / "winch" / "fmu.py").write_text(
+        "from curvebound.fmi.declaration import Fmu, parameter\n"
+        "FMU = Fmu('Winch', 'a load', (\n"
+        "    parameter('rail.bend', '1/m', 2e3, 'b', at_least=2e3),\n"
+        "    parameter('load.u_start', 'm', 1.0, 'x', above=0.0)))\n"
+    )
+    points = [point.values for point in draw(tmp_path / "winch", 40, 1)]
+    assert all(float(values["rail.bend"]) >= 2e3 for values in points)
+    assert all(float(values["load.u_start"]) > 0.0 for values in points)
+    assert any(float(values["load.u_rate_start"]) < 0.0 for values in points)
+
+
 def test_references_have_the_known_digits() -> None:
     """45-digit Taylor series and closed forms, 15 digits kept."""
     angle, _, rate, _ = at_ten_seconds("bead").astype(float)

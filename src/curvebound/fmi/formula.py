@@ -7,6 +7,8 @@ numbers, names of variables, and operations with their operands.
 from __future__ import annotations
 
 import ast
+import keyword
+import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -21,6 +23,9 @@ Floats = NDArray[np.float64]
 #: a number, the name of a variable, or [operation, operand, ...]
 Tree = Any
 
+#: Python's own words may be parts of names (wave.lambda), which ast does not read
+_WORD = re.compile(rf"\b({'|'.join(keyword.kwlist)})\b")
+_WRITTEN = re.compile(rf"\b({'|'.join(keyword.kwlist)})_word\b")
 _SIGNS: dict[type[ast.AST], str] = {
     ast.Add: "+",
     ast.Sub: "-",
@@ -80,9 +85,12 @@ def parse(text: str, *, samples: bool = False) -> Tree:
     """
     known = {**_POINTWISE, **(_OVER_SAMPLES if samples else {})}
     try:
-        root = ast.parse(text.strip(), mode="eval").body
+        root = ast.parse(_WORD.sub(r"\1_word", text.strip()), mode="eval").body
     except SyntaxError as error:
         raise CurveboundError(f"{text!r} is no formula: {error.msg}") from error
+
+    def written(node: ast.expr) -> str:
+        return _WRITTEN.sub(r"\1", ast.unparse(node))
 
     def tree(node: ast.expr) -> Tree:
         if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
@@ -93,14 +101,14 @@ def parse(text: str, *, samples: bool = False) -> Tree:
         if isinstance(node, ast.BinOp) and type(node.op) in _SIGNS:
             return [_SIGNS[type(node.op)], tree(node.left), tree(node.right)]
         if isinstance(node, ast.Name | ast.Attribute):
-            name = ast.unparse(node)
+            name = written(node)
             return float(np.pi) if name == "pi" else name
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
             name = node.func.id
             if name in known and len(node.args) == known[name][0]:
                 return [name, *map(tree, node.args)]
         raise CurveboundError(
-            f"{ast.unparse(node)!r} in the formula {text!r} is not understood: use names of "
+            f"{written(node)!r} in the formula {text!r} is not understood: use names of "
             "variables, numbers, + - * / ** and "
             + ", ".join(name for name in known if name.isalnum() and name != "negative")
         )

@@ -21,8 +21,8 @@ def derived_from(text: str, title: str, where: str) -> Derived:
     mechanics = stated.get("MECHANICS")
     if not isinstance(mechanics, Mechanics):
         raise CurveboundError(f"{where} does not define MECHANICS = Mechanics(...).")
-    derivation = Derivation(mechanics)
     try:
+        derivation = Derivation(mechanics)
         kernel = kernel_source(derivation, Names(title, derivation, stated))
         equations = equations_source(derivation)
     except ValueError as error:

@@ -18,7 +18,7 @@ class _Array:
     sin, cos, tan, exp, log = np.sin, np.cos, np.tan, np.exp, np.log
     asin, acos, atan, atan2 = np.arcsin, np.arccos, np.arctan, np.arctan2
     sinh, cosh, tanh = np.sinh, np.cosh, np.tanh
-    fabs, sqrt = np.abs, np.sqrt
+    fabs, sqrt, copysign = np.abs, np.sqrt, np.copysign
 
 
 class _Extended(_Array):
@@ -65,6 +65,11 @@ class ManyDigits:
         self.fabs, self.sqrt = mp.fabs, mp.sqrt
         self.number = mp.mpf
         self._mp = mp
+
+    @staticmethod
+    def copysign(x: Any, y: Any) -> Any:
+        """x, which is positive, with the sign of y."""
+        return x if y >= 0 else -x
 
     @property
     def pi(self) -> Any:

@@ -108,14 +108,16 @@ class Printer:
         if not x.is_Pow:
             return self.atom(x)
         base, exponent = x.args
+        if exponent.is_Float:
+            exponent = sympy.nsimplify(exponent)
         if exponent.is_negative:
             return f"({self.integer(1)} / {self.power(base**-exponent)})"
         if exponent.is_Integer:
             return f"({' * '.join([self.atom(base)] * int(exponent))})"
-        if exponent == sympy.Rational(1, 2):
-            return f"{self.functions}sqrt({self.add(base)})"
         if exponent.is_Rational and exponent.q == 2:
-            return self.factors(base ** (exponent.p // 2) * sympy.sqrt(base))
+            root = f"{self.functions}sqrt({self.add(base)})"
+            whole = int(exponent.p) // 2
+            return f"({' * '.join([self.atom(base)] * whole + [root])})" if whole else root
         raise ValueError(f"{x} has no plain form: use whole powers, square roots, exp and log")
 
     def atom(self, x: Expr) -> str:
@@ -126,6 +128,8 @@ class Printer:
             text = self.number(x)
             return f"({text})" if text.startswith("-") else text
         if x.is_Function:
+            if isinstance(x, sympy.sign):  # the slope of a size; of no size it is 1
+                return f"{self.functions}copysign({self.integer(1)}, {self.add(x.args[0])})"
             name = self.FUNCTIONS.get(type(x).__name__)
             if name is None:
                 raise ValueError(f"{x} has no plain form: {type(x).__name__} is not known here")

@@ -6,6 +6,7 @@ Positions are counted from the origin of the frame, x to the right and y up.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -31,6 +32,10 @@ __all__ = [
     "parameter",
     "shape",
 ]
+
+
+#: symbols of derivations
+_RESERVED = {f"{what}.{axis}" for what in ("field", "position", "velocity") for axis in "xy"}
 
 
 class Parameter(Symbol):  # type: ignore[misc]
@@ -220,6 +225,14 @@ class Mechanics:
                 f"{stray[0]} in a position or force is no symbol of this system: make it a "
                 "parameter, a shape or one of the declared coordinates"
             )
+        taken = Counter([*self.parameters, *self.inputs, *self.outputs])
+        for name, count in taken.items():
+            if count > 1 or name in _RESERVED:
+                raise ValueError(
+                    f"{name} would stand for two things: a mass or frame NAME has the outputs "
+                    "NAME.x, .y, .vx and .vy; call a coordinate or parameter otherwise, as in "
+                    f"{name.partition('.')[0]}.u, and no two masses alike"
+                )
 
     @cached_property
     def _all_symbols(self) -> list[Symbol]:

@@ -46,7 +46,10 @@ def _angles(expression: Expr) -> list[Expr]:
 def _without_squares(expression: Expr, angle: Expr) -> Expr:
     """The expanded expression with sin(angle)^2 written as 1 - cos(angle)^2."""
     s, c = Symbol("_s"), Symbol("_c")
-    polynomial = sympy.Poly(expression.subs({sympy.sin(angle): s, sympy.cos(angle): c}), s)
+    plain = expression.subs({sympy.sin(angle): s, sympy.cos(angle): c})
+    if not plain.is_polynomial(s, c):  # a quotient or a root of them
+        return expression
+    polynomial = sympy.Poly(plain, s)
     total = sympy.Add(
         *(of * s ** (n % 2) * (1 - c**2) ** (n // 2) for (n,), of in polynomial.as_dict().items())
     )

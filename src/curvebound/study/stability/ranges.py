@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from ...fmi.declaration import CHOICE, INPUT, PARAMETER, Fmu
+from ...fmi.declaration import CHOICE, INPUT, PARAMETER, Fmu, Variable
 from ...fmi.folder import Folder, find, names
 from ...fmi.ranges import Angle, Explored, Items, Range
 from ...mechanics.derived import Derived, derive
@@ -68,25 +68,34 @@ def _ranges(fmu: Fmu, derived: Derived) -> dict[str, Explored]:
     for v in fmu.variables:
         if v.name in found or v.name in solver or v.kind not in (PARAMETER, CHOICE, INPUT):
             continue
-        usual = _usual(v.name, v.unit, derived)
+        usual = _usual(v, derived)
         if v.kind == CHOICE and v.type is not None and v.name != "solver.method":
             usual = Items(tuple(item for item, _ in v.type.items))
         elif v.kind == PARAMETER and usual is None and not v.name.startswith("constraint."):
-            positive = v.minimum is not None
-            usual = _SIZE if positive else _SIZE._replace(signed=True)
+            usual = _SIZE._replace(signed=True)
+        if isinstance(usual, Range) and v.minimum is not None:
+            usual = _within(usual, v)
         if usual is not None:
             found[v.name] = usual
     return found
 
 
-def _usual(name: str, unit: str, derived: Derived) -> Explored | None:
+def _within(usual: Range, v: Variable) -> Range:
+    """The part of a range that is in a variable's domain."""
+    least = max(usual.low, v.minimum or 0.0)
+    zero = v.minimum == 0.0 and not v.above
+    share = usual.share if zero else 1.0
+    return usual._replace(low=least, high=max(usual.high, 2.0 * least), signed=False, share=share)
+
+
+def _usual(v: Variable, derived: Derived) -> Explored | None:
+    name = v.name
     if name in derived.damping:
         return _DAMPING
-    if name in derived.forces:
+    if v.kind == INPUT:
         mass = f"{name.rpartition('.')[0]}.mass"
-        return _PUSH._replace(times=mass) if mass.partition(".")[0] in derived.masses else _PUSH
-    if name.endswith("_acceleration") or name.rpartition(".")[0] == derived.frame != "":
-        return _PUSH
+        of_mass = name in derived.forces and mass.partition(".")[0] in derived.masses
+        return _PUSH._replace(times=mass) if of_mass else _PUSH
     for coordinate, rate, is_angle in zip(
         derived.coordinates, derived.rates, derived.angles, strict=True
     ):
@@ -94,7 +103,7 @@ def _usual(name: str, unit: str, derived: Derived) -> Explored | None:
             return Angle() if is_angle else _START
         if name == f"{rate}_start":
             return _SPEED
-    if name.endswith("_rate_start"):
+    if name in {f"{shape}_rate_start" for shape in derived.shapes}:
         return _PUSH
     return None
 
