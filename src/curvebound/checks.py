@@ -30,7 +30,7 @@ from .fmi.compile import why_not
 from .fmi.declaration import CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu
 from .fmi.folder import Folder
 from .mechanics.numeric import extended
-from .study.stability.sample import Settings, run_sample
+from .study.stability.sample import SampleSettings, run_sample
 from .study.stability.sample_report import passes
 
 __all__ = [
@@ -181,7 +181,7 @@ def is_right_at_random_points(folder: Path | str) -> None:
     system = _of(folder)
     if not system.has("mechanics"):
         return
-    outcomes = run_sample(Settings(system.path, fmu=cached_fmu(system)), _POINTS, 1)
+    outcomes = run_sample(SampleSettings(system.path, fmu=cached_fmu(system)), _POINTS, 1)
     bad = [one for one in outcomes if one.verdict != "accurate"]
     assert passes(outcomes), (
         f"{len(bad)} of {len(outcomes)} points of its ranges are not accurate; fmu.py may declare "
