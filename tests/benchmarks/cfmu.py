@@ -74,7 +74,7 @@ def _model_description(name: str, guid: str, variables: list[_Real]) -> str:
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         f'<fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{guid}"'
-        ' generationTool="curvebound bench" variableNamingConvention="structured">\n'
+        ' generationTool="curvebound benchmarks" variableNamingConvention="structured">\n'
         f'<CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true"/>\n'
         f"<UnitDefinitions>{''.join(map(_unit, units))}</UnitDefinitions>\n"
         '<DefaultExperiment startTime="0.0" stopTime="10.0" stepSize="0.001"/>\n'

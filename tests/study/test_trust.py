@@ -121,7 +121,7 @@ def test_failures_are_listed_with_what_the_fmu_said(tmp_path: Path) -> None:
     ).read_text()  # fmt: skip
     assert "wire.radius is 0: give more" in page
     assert "another &lt;fault&gt;" in page
-    assert f"<td>{len(failed)}</td>" in page
+    assert f"<td class=n>{len(failed)}</td>" in page
 
 
 def test_what_was_not_judged_failed_or_is_rounding_says_nothing() -> None:

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from curvebound.view.files import asset
+from curvebound.pages import common_style
 
 # Machado, Oliveira and Fernandes (2009), severity 1, on linear RGB
 BLINDNESS = {
@@ -38,7 +38,7 @@ BLINDNESS = {
 
 
 def themes() -> dict[str, dict[str, str]]:
-    blocks = re.findall(r"(:root[^{]*)\{([^}]*)\}", asset("common.css"))
+    blocks = re.findall(r"(:root[^{]*)\{([^}]*)\}", common_style())
     found = [dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6})", block)) for _, block in blocks]
     assert len(found) == 3
     assert found[1] == found[2], "dark by choice is dark by system"

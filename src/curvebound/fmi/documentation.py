@@ -7,27 +7,13 @@ from importlib.metadata import distribution
 
 from .. import __version__
 from ..cells import defused
+from ..pages import Html, report, table
 from ..places import license_text
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
 from .folder import Folder
 from .reference import ReferenceResult, reference_result
 
 __all__ = ["csv_text", "documentation_files"]
-
-_STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
-       color: #1a1a1a; background: #fff; }
-h1, h2 { line-height: 1.2; }
-pre { background: #f4f4f2; padding: .8rem; overflow-x: auto; }
-table { border-collapse: collapse; font-size: 14px; }
-th, td { text-align: left; padding: .15rem .8rem .15rem 0; border-bottom: 1px solid #ddd; }
-td.n { text-align: right; }
-svg, img { max-width: 100%; height: auto; }
-@media (prefers-color-scheme: dark) {
-  body { background: #161616; color: #e8e8e8; } pre { background: #242424; }
-  th, td { border-color: #444; } svg text { fill: #e8e8e8; }
-}
-"""
 
 #: colours that the colour-blind can tell apart (Okabe and Ito 2008)
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
@@ -73,18 +59,10 @@ def _licences() -> str:
 
 def _page(fmu: Fmu, told: str, result: ReferenceResult) -> str:
     name = escape(fmu.name)
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>{name}</title>
-<style>{_STYLE}</style>
-</head>
-<body>
-<h1>{name}</h1>
+    body = f"""<header><h1>{name}</h1>
 <p>{escape(fmu.description)}. FMI 2.0 for co-simulation, curvebound {__version__}, MIT licence
-(<a href="licenses/license.txt">text</a>).</p>
+(<a href="licenses/license.txt">text</a>).</p></header>
+<main>
 {told.strip()}
 <h2>Parameters</h2>
 {_variables(fmu, (PARAMETER, CHOICE, COUNT_PARAMETER))}
@@ -96,9 +74,8 @@ def _page(fmu: Fmu, told: str, result: ReferenceResult) -> str:
 <h2>Reference result</h2>
 <p>{_experiment(fmu)} The samples are in <a href="reference.csv">reference.csv</a>.</p>
 {_plot(fmu, result)}
-</body>
-</html>
-"""
+</main>"""
+    return report(fmu.name, body)
 
 
 def _experiment(fmu: Fmu) -> str:
@@ -127,24 +104,27 @@ def _variables(fmu: Fmu, kinds: tuple[str, ...]) -> str:
     rows = [v for v in fmu.ordered() if v.kind in kinds]
     if not rows:
         return "<p>None.</p>"
-    with_start = INPUT not in kinds and OUTPUT not in kinds
-    head = "<tr><th>name<th>unit" + ("<th>start" if with_start else "") + "<th>meaning</tr>"
-    return f"<table>{head}{''.join(_row(v, with_start) for v in rows)}</table>"
+    if INPUT in kinds or OUTPUT in kinds:
+        named = [[v.name, v.unit, Html(_meaning(v))] for v in rows]
+        return table(["name", "unit", "meaning"], named, words=(0, 1, 2))
+    given = [[v.name, v.unit, _start(v), Html(_meaning(v))] for v in rows]
+    return table(["name", "unit", "start", "meaning"], given, words=(0, 1, 3))
 
 
-def _row(variable: Variable, with_start: bool) -> str:
-    meaning = escape(variable.description)
-    start = f"{variable.start:g}"
+def _start(variable: Variable) -> str:
     if variable.type:
-        items = variable.type.items
-        start = items[int(variable.start) - 1][0]
+        return variable.type.items[int(variable.start) - 1][0]
+    return f"{variable.start:g}"
+
+
+def _meaning(variable: Variable) -> str:
+    meaning = escape(variable.description)
+    if variable.type:
         meaning += ": " + "; ".join(
-            f"{i} <b>{escape(item)}</b>, {escape(text)}" for i, (item, text) in enumerate(items, 1)
+            f"{i} <b>{escape(item)}</b>, {escape(text)}"
+            for i, (item, text) in enumerate(variable.type.items, 1)
         )
-    if variable.tunable:
-        meaning += " (tunable)"
-    cell = f'<td class="n">{escape(start)}' if with_start else ""
-    return f"<tr><td>{escape(variable.name)}<td>{escape(variable.unit)}{cell}<td>{meaning}</tr>"
+    return meaning + (" (tunable)" if variable.tunable else "")
 
 
 def _plot(fmu: Fmu, result: ReferenceResult) -> str:

@@ -7,9 +7,10 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from urllib.parse import quote
 
-from .files import asset, write_text
-from .page import page
+from ..pages import common_style, document, filled, write_page
+from .asset_files import asset
 
 __all__ = ["Card", "write_gallery"]
 
@@ -42,19 +43,18 @@ def write_gallery(
 
     `links` are pages about all scenes (studies, stability maps), listed under the introduction.
     """
-    text = page(
-        "gallery.html",
-        title=title,
-        styles=asset("common.css") + asset("gallery.css"),
-        script="",
-        parts={
+    body = filled(
+        asset("gallery.html"),
+        {
+            "title": html.escape(title),
             "introduction": f"<p>{html.escape(introduction)}</p>" if introduction else "",
             "links": _links(links or {}, out),
             "cards": "\n".join(_card(card, out) for card in cards)
             or "<p>No scene has been run yet.</p>",
         },
     )
-    return write_text(out, text)
+    style = common_style() + asset("gallery.css")
+    return write_page(out, document(title, body, style=style))
 
 
 def _card(card: Card, out: Path) -> str:
@@ -91,7 +91,5 @@ def _links(links: Mapping[str, Path], out: Path) -> str:
 
 def _address(path: Path, out: Path) -> str:
     """`path` as seen from the page, as an address."""
-    from urllib.parse import quote
-
     relative = os.path.relpath(path.resolve(), out.resolve().parent)
     return html.escape(quote(Path(relative).as_posix()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..cosim.results import Result
 from ..fmi.drawing import Drawing
-from .files import asset, write_text
+from ..pages import common_style, document, embedded_json, filled, write_page
+from .asset_files import asset
 from .model import build_model
-from .page import embedded_json, page
 
 __all__ = ["write_replay"]
 
@@ -45,15 +46,19 @@ def write_replay(
         title = " and ".join(label for label, _ in results)
     model, packer = build_model(results, title, notes, known)
     ours = "\n".join(asset(name) for name in _SCRIPTS)
-    text = page(
-        "replay.html",
-        title=title,
-        styles=asset("uPlot.min.css") + "\n" + asset("common.css") + asset("replay.css"),
-        script=f'{asset("uPlot.iife.min.js")}\n(() => {{\n"use strict";\n{ours}}})();\n',
-        parts={
+    body = filled(
+        asset("replay.html"),
+        {
+            "title": html.escape(title),
             "licence": asset("uPlot.LICENSE"),
             "model": embedded_json(model),
             "samples": packer.base64(),
         },
     )
-    return write_text(out, text)
+    text = document(
+        title,
+        body,
+        style=asset("uPlot.min.css") + "\n" + common_style() + asset("replay.css"),
+        script=f'{asset("uPlot.iife.min.js")}\n(() => {{\n"use strict";\n{ours}}})();\n',
+    )
+    return write_page(out, text)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ..errors import CurveboundError
 from ..fmi.drawing import FRAME, Circle, Curve, Drawing
 from ..fmi.folder import shipped_drawings
+from ..pages import common_style
 from .actors import Actor, Floats, find_actors, missing
-from .files import asset
 from .geometry import box_of, follows_frame
 from .reading import Results, opened
 
@@ -101,7 +101,7 @@ def save_small(drawn: Any, out: Any) -> None:
 
 def palette() -> list[str]:
     """The colours of the replay page in its light theme."""
-    light = asset("common.css").split("}", 1)[0]
+    light = common_style().split("}", 1)[0]
     return re.findall(r"--result-\d: (#[0-9a-f]{6})", light)
 
 

@@ -10,86 +10,14 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from ...files import inside, write_whole
+from ...files import inside
+from ...pages import figure, report, table, write_page
 from .lessons import crossings, equals, lessons, name_of, pareto, spread_of, usable
 from .live_measures import MEASURES, Statement
 
-__all__ = ["document", "overview_page", "study_page"]
+__all__ = ["overview_page", "study_page"]
 
 Row = dict[str, Any]
-
-_STYLE = """
-:root { color-scheme: light dark; --paper: #fff; --page: #f3f5f8; --ink: #1b222c; --muted: #5b6675;
-  --line: #d5dbe3; --accent: #0072b2; }
-@media (prefers-color-scheme: dark) { :root { --paper: #161b22; --page: #0d1117; --ink: #e6ebf2;
-  --muted: #9aa7b8; --line: #303a46; --accent: #56b4e9; } }
-* { box-sizing: border-box; }
-body { margin: 0; background: var(--page); color: var(--ink);
-  font: 15px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, Arial, sans-serif; }
-main, header, footer { max-width: 1180px; margin: 0 auto; padding: 14px 18px; }
-h1 { font-size: 1.5rem; margin: .4rem 0 0; } h2 { font-size: 1.1rem; margin: 1.6rem 0 .5rem; }
-p { max-width: 80ch; } .muted, footer { color: var(--muted); } footer { font-size: .85rem; }
-figure { margin: 0 0 1rem; background: #fff; border: 1px solid var(--line); border-radius: 10px;
-  padding: 8px; overflow-x: auto; }
-figure svg { display: block; max-width: 100%; height: auto; margin: 0 auto; }
-.scroll { overflow-x: auto; background: var(--paper); border: 1px solid var(--line);
-  border-radius: 10px; }
-table { border-collapse: collapse; width: 100%; font-size: .9rem;
-  font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .7rem; text-align: right; white-space: nowrap;
-  border-top: 1px solid var(--line); }
-th { color: var(--muted); font-weight: 500; border-top: 0; }
-th:first-child, td:first-child, td.w, th.w { text-align: left; white-space: normal; }
-a { color: var(--accent); }
-li { margin: .2rem 0; max-width: 85ch; }
-"""
-
-
-def document(title: str, body: str, footer: str) -> str:
-    """A whole HTML page that needs nothing from elsewhere."""
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
-        "style-src 'unsafe-inline'; img-src data:\">"
-        f"<title>{html.escape(title)}</title><style>{_STYLE}</style></head>\n"
-        f"<body>{body}<footer>{footer}</footer></body></html>\n"
-    )
-
-
-def _number(value: Any) -> str:
-    if value is None:
-        return "-"
-    if isinstance(value, float):
-        if value == 0.0:
-            return "0"
-        return f"{value:.2e}" if not 1e-2 <= abs(value) < 1e4 else f"{value:.3g}"
-    return html.escape(str(value))
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[Any]], words: Sequence[int] = (0,)) -> str:
-    def cell(tag: str, i: int, text: str) -> str:
-        return f"<{tag}{' class=w' if i in words else ''}>{text}</{tag}>"
-
-    lines = ["<tr>" + "".join(cell("th", i, html.escape(h)) for i, h in enumerate(head)) + "</tr>"]
-    for row in rows:
-        cells = "".join(cell("td", i, _number(value)) for i, value in enumerate(row))
-        lines.append(f"<tr>{cells}</tr>")
-    return f'<div class="scroll"><table>{"".join(lines)}</table></div>'
-
-
-def _figure(svg: Path, words: str) -> str:
-    if not svg.is_file():
-        return ""
-    text = svg.read_text(encoding="utf-8")
-    text = text[text.index("<svg") :]
-    # several drawings share the page: their names must not meet
-    mark = svg.stem.replace(" ", "_")
-    for old, new in (('id="', f'id="{mark}-'), ("url(#", f"url(#{mark}-"),
-                     ('xlink:href="#', f'xlink:href="#{mark}-')):  # fmt: skip
-        text = text.replace(old, new)
-    label = f'<svg role="img" aria-label="{html.escape(words)}"'
-    return f"<figure>{text.replace('<svg', label, 1)}</figure>"
 
 
 def _size(row: Row) -> str:
@@ -130,7 +58,7 @@ def study_page(
         parts.append(f"<h2>What it teaches</h2><ul>{items}</ul>")
     parts.append("<h2>The cheapest setting for an error</h2>")
     parts.append(
-        _table(
+        table(
             ["error below", "setting", "size", "macro step / s", "error", "CPU s per s",
              "not told apart"],
             [
@@ -143,8 +71,8 @@ def study_page(
         )
     )  # fmt: skip
     parts.append("<h2>Work and precision</h2>")
-    parts.append(_figure(folder / "work.svg", "error over CPU time for every setting"))
-    parts.append(_figure(folder / "precision.svg", "error over micro step and tolerance"))
+    parts.append(figure(folder / "work.svg", "error over CPU time for every setting"))
+    parts.append(figure(folder / "precision.svg", "error over micro step and tolerance"))
     if (folder / "macro.svg").is_file():
         parts.append("<h2>Macro step and algorithm</h2>")
         parts.append(
@@ -152,10 +80,10 @@ def study_page(
             "another macro step is another scene. Right, against control and inputs that act all "
             "the time: what holding costs.</p>"
         )
-        parts.append(_figure(folder / "macro.svg", "error over macro step for each algorithm"))
+        parts.append(figure(folder / "macro.svg", "error over macro step for each algorithm"))
     parts.append("<h2>Pareto front</h2>")
     parts.append(
-        _table(
+        table(
             ["setting", "size", "macro step / s", "error", "numerical", "model", "CPU s per s",
              "evaluations", "energy residual / J", "drift / m"],
             [
@@ -168,14 +96,14 @@ def study_page(
     parts.append("<h2>Live measures against the truth</h2>")
     parts.append(_TRUST_WORDS)
     parts.append(_trust_table(statements))
-    parts.append(_figure(folder / "trust.svg", "true error over live measures"))
+    parts.append(figure(folder / "trust.svg", "true error over live measures"))
     parts.append("<h2>References</h2>")
     parts.append(_references(references, rows))
     failed = [row for row in rows if row["failure"]]
     if failed:
         parts.append(f"<h2>Failed: {len(failed)} settings</h2>")
         parts.append(
-            _table(
+            table(
                 ["settings", "first of them", "size", "macro step / s", "message"],
                 [[len(same), *_setting(same[0]), message] for message, same in _alike(failed)],
                 words=(1, 4),
@@ -185,8 +113,7 @@ def study_page(
         '<p>All rows: <a href="study.csv">study.csv</a>, <a href="study.json">study.json</a>.</p>'
         "</main>"
     )
-    text = document(f"{name}: a study", "\n".join(parts), footer)
-    return write_whole(out, lambda path: path.write_text(text, encoding="utf-8"))
+    return write_page(out, report(f"{name}: a study", "\n".join(parts), footer))
 
 
 def _alike(failed: Sequence[Row]) -> list[tuple[str, list[Row]]]:
@@ -198,14 +125,14 @@ def _alike(failed: Sequence[Row]) -> list[tuple[str, list[Row]]]:
 
 
 def _references(references: Sequence[Row], rows: Sequence[Row]) -> str:
-    table = []
+    known = []
     for reference in references:
         model = ", ".join(f"{path}={item}" for path, item in reference["model"].items())
         for path, doubt in reference["uncertainty"].items():
-            table.append([reference["what"], model or "-", path, doubt, reference["how"]])
-    body = _table(
+            known.append([reference["what"], model or "-", path, doubt, reference["how"]])
+    body = table(
         ["reference", "model", "output", "uncertainty", "two computations"],
-        table,
+        known,
         words=(0, 1, 2, 4),
     )
     unjudged = [r for r in rows if not r["failure"] and not r["judged"]]
@@ -233,7 +160,7 @@ _TRUST_WORDS = (
 
 
 def _trust_table(statements: Sequence[Statement]) -> str:
-    return _table(
+    return table(
         ["measure", "of", "runs", "true / said, median", "from (5 %)", "to (95 %)",
          "over 10 times", "rank correlation", "so it is"],
         [
@@ -269,7 +196,7 @@ def overview_page(
     )
     parts.append(f"<ul>{links}</ul><h2>The cheapest setting for an error</h2>")
     parts.append(
-        _table(
+        table(
             ["scene", "error below", "setting", "size", "macro step / s", "CPU s per s"], rows,
             words=(0, 2),
         )
@@ -279,7 +206,6 @@ def overview_page(
     said = "".join(f"<li>{html.escape(t.sentence)}</li>" for t in statements if t.group == "all")
     parts.append(f"<ul>{said}</ul>")
     parts.append(_trust_table(statements))
-    parts.append(_figure(out.parent / "trust.svg", "true error over live measures, all scenes"))
+    parts.append(figure(out.parent / "trust.svg", "true error over live measures, all scenes"))
     parts.append("</main>")
-    text = document("Studies", "\n".join(parts), footer)
-    return write_whole(out, lambda path: path.write_text(text, encoding="utf-8"))
+    return write_page(out, report("Studies", "\n".join(parts), footer))

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from ...files import inside, remove, write_whole
+from ...files import inside, remove
+from ...pages import figure, report, table, write_page
 from ..data_files import write_rows
-from ..precision.page import document
 from .maps import Request
 from .pictures import draw
 from .probe import FAILED, UNKNOWN
@@ -50,8 +50,7 @@ def write_map(
     picture = ""
     if plots:
         _, svg = draw(maps, label, page.with_suffix(".png"))
-        drawn = svg.read_text(encoding="utf-8")
-        picture = f"<figure>{drawn[drawn.index('<svg') :]}</figure>"
+        picture = figure(svg, "verdicts over value and step, one panel for each method")
         remove(svg)
     title = f"{scene}: step against {label}"
     durations = sorted({column.duration for column in maps[0].columns})
@@ -70,10 +69,9 @@ def write_map(
         "its tolerance, since it chooses its step. Linear theory: where the method lets the energy "
         "of a mode grow to 21 times itself within the run, for the equations in minimal "
         "coordinates linearised at rest, and along the exact motion at its worst moment.</p>"
-        f"{picture}<h2>Largest steps</h2>{_table(maps)}{_failures(maps)}</main>"
+        f"{picture}<h2>Largest steps</h2>{_steps(maps)}{_failures(maps)}</main>"
     )
-    text = document(title, body, "Made by curvebound stability.")
-    return write_whole(page, lambda out: out.write_text(text, encoding="utf-8"))
+    return write_page(page, report(title, body, "Made by curvebound stability."))
 
 
 def write_index(pages: Sequence[tuple[str, Path]], folder: Path) -> Path:
@@ -84,8 +82,8 @@ def write_index(pages: Sequence[tuple[str, Path]], folder: Path) -> Path:
         for address, (title, _) in zip(addresses, pages, strict=True)
     )
     body = f"<main><h1>Stability maps</h1><ul>{items}</ul></main>"
-    text = document("Stability maps", body, "Made by curvebound stability --all.")
-    return write_whole(folder / "index.html", lambda out: out.write_text(text, encoding="utf-8"))
+    text = report("Stability maps", body, "Made by curvebound stability --all.")
+    return write_page(folder / "index.html", text)
 
 
 def _grid(maps: Sequence[StabilityMap], path: str) -> list[dict[str, Any]]:
@@ -134,20 +132,22 @@ def _size(x: float, column: Column) -> str:
     if any(verdict.kind == UNKNOWN for verdict in column.verdicts.values()):
         return "unknown"
     if math.isnan(x):
-        return f"&lt; {column.sizes[0]:.2g}"
-    return f"&ge; {column.sizes[-1]:.2g}" if math.isinf(x) else f"{x:.2e}"
+        return f"< {column.sizes[0]:.2g}"
+    return f"≥ {column.sizes[-1]:.2g}" if math.isinf(x) else f"{x:.2e}"
 
 
-def _table(maps: Sequence[StabilityMap]) -> str:
-    head = "".join(f"<th>{one.method}<br>accurate<th>stable" for one in maps)
+def _steps(maps: Sequence[StabilityMap]) -> str:
+    """The table of largest accurate and stable steps, two columns for each method."""
+    head = ["value"]
+    for one in maps:
+        head += [f"{one.method}, accurate", "stable"]
     rows = []
     for i, column in enumerate(maps[0].columns):
-        cells = "".join(
-            f"<td>{_size(own.accurate, own)}<td>{_size(own.stable, own)}"
-            for own in (one.columns[i] for one in maps)
-        )
-        rows.append(f"<tr><td>{column.value:.4g}{cells}</tr>")
-    return f'<div class="scroll"><table><tr><th>value{head}</tr>{"".join(rows)}</table></div>'
+        row = [f"{column.value:.4g}"]
+        for own in (one.columns[i] for one in maps):
+            row += [_size(own.accurate, own), _size(own.stable, own)]
+        rows.append(row)
+    return table(head, rows)
 
 
 def _failures(maps: Sequence[StabilityMap]) -> str:
