@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-from .quantity import number
+from .units import number
 
 __all__ = ["file_of", "positive", "seconds", "setting", "whole"]
 

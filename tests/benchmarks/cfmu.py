@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 from curvebound.errors import CurveboundError
 from curvebound.files import write_whole
-from curvebound.fmi.units import exponents
+from curvebound.units import exponents
 
 from .native import SOURCES, shared_library
 

@@ -23,7 +23,7 @@ from properties import (
 )
 
 from curvebound.fmi.declaration import COUNT, OUTPUT
-from curvebound.fmi.units import exponents
+from curvebound.units import exponents
 
 #: what changes its sign in a mirror that swaps left and right
 MIRRORED = (

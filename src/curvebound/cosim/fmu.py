@@ -16,15 +16,13 @@ from typing import Any
 
 from ..errors import CurveboundError, OutsideError, at, reading, said
 from ..fmi.drawing import Drawing, read
-from ..quantity import number
+from ..units import BASE_UNITS, number
 from .fmu_check import check_description, check_structure
 
 __all__ = [
-    "BASE_UNITS",
     "Fmu",
     "Value",
     "Variable",
-    "conversion",
     "extracted",
     "loading",
     "nearest",
@@ -32,9 +30,6 @@ __all__ = [
 ]
 
 Value = float | int | bool | str
-
-BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-"""The base units of FMI and SSP, in the order of Variable.dimension."""
 
 
 @dataclass(frozen=True)
@@ -148,18 +143,6 @@ class Fmu:
     def outputs(self) -> list[str]:
         """Names of the outputs, in the order of the description."""
         return [v.name for v in self.variables.values() if v.causality == "output"]
-
-
-def conversion(of: tuple[float, ...], to: tuple[float, ...]) -> tuple[float, float] | None:
-    """(factor, offset) that turn a value of one unit into another; None for another quantity.
-
-    Both are units as in Variable.dimension.
-    """
-    count = len(BASE_UNITS)
-    if of[:count] != to[:count]:
-        return None
-    factor, offset = of[count:]
-    return factor / to[count], (offset - to[count + 1]) / to[count]
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

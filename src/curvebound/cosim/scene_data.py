@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
-from ..quantity import number
+from ..units import number
 from .fmu import Value, nearest
 
 if TYPE_CHECKING:

@@ -22,7 +22,8 @@ from urllib.parse import quote
 from xml.etree import ElementTree
 
 from ..files import inside, write_whole
-from .fmu import BASE_UNITS, Value, Variable
+from ..units import BASE_UNITS
+from .fmu import Value, Variable
 from .points import communication_times
 from .resolution import resolve
 from .results import as_csv

@@ -23,7 +23,8 @@ from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from ..errors import CurveboundError, at, reading
-from .fmu import Fmu, Value, Variable, conversion, extracted, read_fmu
+from ..units import conversion
+from .fmu import Fmu, Value, Variable, extracted, read_fmu
 from .results import read_csv
 from .scene import Scene
 from .ssp import ANNOTATION, NAMESPACES

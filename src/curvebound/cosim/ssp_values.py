@@ -9,7 +9,8 @@ from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from ..errors import at
-from .fmu import BASE_UNITS, Value, Variable
+from ..units import BASE_UNITS
+from .fmu import Value, Variable
 from .ssp import NAMESPACES
 
 __all__ = ["Parameter", "Transformation", "bound_values", "number", "units_of"]

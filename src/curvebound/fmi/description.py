@@ -8,9 +8,9 @@ from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement
 
 from .. import __date__, __version__
+from ..units import exponents
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
 from .engine import Engine
-from .units import exponents
 
 __all__ = ["describe", "timestamp"]
 

@@ -6,9 +6,9 @@ import difflib
 
 from ..errors import CurveboundError
 from ..mechanics.derived import Derived, Implied
+from ..units import per_second
 from .common import ENERGY, GRAVITY, SOLVER
 from .declaration import CHOICE, INPUT, OUTPUT, PARAMETER, Enumeration, Variable
-from .units import per_second
 
 __all__ = ["complete_variables"]
 

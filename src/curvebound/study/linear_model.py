@@ -21,7 +21,7 @@ from ..fmi.declaration import CHOICE, INPUT, OUTPUT, PARAMETER
 from ..fmi.folder import find
 from ..mechanics.derived import Derived, derive
 from ..mechanics.numeric import ManyDigits
-from ..quantity import number
+from ..units import number
 from .extras import require
 
 __all__ = ["LinearModel", "linearize"]

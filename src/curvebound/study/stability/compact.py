@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...files import write_whole
+from ...units import labelled
 from ..figures import COLOURS
 from .catalogue import Named
 from .maps import Request
@@ -82,10 +83,9 @@ def _panel(request: Named, maps: Sequence[StabilityMap]) -> str:
     def up(size: float) -> float:
         return HEIGHT * (high - math.log10(size)) / (high - low)
 
-    unit = "" if request.unit in ("", "1") else f" ({request.unit})"
-    name = request.axis.path.partition(".")[2]
+    name = labelled(request.axis.path.partition(".")[2], request.unit)
     parts = [
-        f'<text x="0" y="-6" font-size="11">{name}{unit}</text>'
+        f'<text x="0" y="-6" font-size="11">{name}</text>'
         f'<rect width="{WIDTH}" height="{HEIGHT}" stroke="{_GREY}" stroke-width=".7"/>'
     ]
     for decade in range(math.ceil(low), math.floor(high) + 1):

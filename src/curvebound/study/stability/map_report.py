@@ -11,6 +11,7 @@ from urllib.parse import quote
 
 from ...files import inside, remove
 from ...pages import figure, report, table, write_page
+from ...units import labelled
 from ..data_files import write_rows
 from .maps import Request
 from .pictures import draw
@@ -46,7 +47,7 @@ def write_map(
     page, grid, boundaries = files_of(request, folder)
     write_rows(_grid(maps, path), grid)
     write_rows(_boundaries(maps, path), boundaries)
-    label = path + ("" if unit in ("", "1") else f" ({unit})")
+    label = labelled(path, unit)
     picture = ""
     if plots:
         _, svg = draw(maps, label, page.with_suffix(".png"))

@@ -12,7 +12,7 @@ from ...cosim import load_scene
 from ...cosim.fmu import Value
 from ...cosim.scene import Scene
 from ...errors import CurveboundError
-from ...quantity import number
+from ...units import number
 from ..sweep.design import Axis, axis
 from .probe import Probe
 from .stability_map import METHODS, Column, StabilityMap, map_column, sizes_of

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...cosim.fmu import Value
 from ...errors import CurveboundError
-from ...quantity import number
+from ...units import number
 
 __all__ = ["Axis", "Design", "axis"]
 

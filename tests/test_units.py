@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from curvebound.errors import CurveboundError
-from curvebound.fmi.units import exponents, per_second
+from curvebound.units import exponents, per_second
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from curvebound.quantity import number
+from curvebound.units import number
 
 
 @pytest.mark.parametrize(
