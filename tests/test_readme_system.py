@@ -14,7 +14,7 @@ from curvebound.cosim import load_scene
 
 README = Path(__file__).parents[1] / "README.md"
 #: commands that take minutes
-LONG = ("study", "tune", "stability")
+LONG = ("study", "tune", "stability", "sample")
 
 
 def section() -> str:

@@ -15,7 +15,7 @@ import curvebound
 _PACKAGE = Path(curvebound.__file__).parent
 _WORDS = re.compile(r"bead|slider|pendulum|parabola|\bwires?\b|\bbobs?\b", re.IGNORECASE)
 #: rooms where words of a system still stand
-_TO_DO = {"cli", "study"}
+_TO_DO = {"cli"}
 _FOREIGN = {"uPlot.iife.min.js", "uPlot.min.css", "uPlot.LICENSE"}
 
 

@@ -176,7 +176,7 @@ def saves_its_whole_state(folder: Path | str) -> None:
 def is_right_at_random_points(folder: Path | str) -> None:
     """Random points of its ranges, run with `adaptive`, are accurate or say that they are not.
 
-    Those of `curvebound stability --sample`, judged by references in extended precision.
+    Those of `curvebound sample`, judged by references in extended precision.
     """
     system = _of(folder)
     if not system.has("mechanics"):

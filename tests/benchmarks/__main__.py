@@ -3,7 +3,7 @@
     python tests/benchmarks                   everything, one after the other (hours)
     python tests/benchmarks GROUP [...]       one group; GROUP --help shows its arguments
 
-groups: cost, macro, sweep, tune, facts, long
+groups: cost, macro, sweep, tune, facts, long, maps
 """
 
 from __future__ import annotations
@@ -15,7 +15,15 @@ from pathlib import Path
 if __name__ == "__main__":  # this folder is found as `benchmarks`, not its files one by one
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from benchmarks import cost, facts, long_runs_command, macro_step, promises_command, sweep_speed
+from benchmarks import (
+    cost,
+    facts,
+    long_runs_command,
+    macro_step,
+    maps_command,
+    promises_command,
+    sweep_speed,
+)
 
 from curvebound.errors import CurveboundError
 
@@ -26,6 +34,7 @@ GROUPS = {
     "tune": (promises_command, "bounds met on fresh starts, and the cost beside the whole grid's"),
     "facts": (facts, "known facts about both systems, measured anew"),
     "long": (long_runs_command, "long runs of bead and pendulum against theory"),
+    "maps": (maps_command, "stability maps of both systems, 12 parameters"),
 }
 
 

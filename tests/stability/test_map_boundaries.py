@@ -9,12 +9,12 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from benchmarks.catalogue import catalogue
+from benchmarks.compact_picture import write_compact
 
 from curvebound.cli import main
 from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
-from curvebound.study.stability.catalogue import catalogue
-from curvebound.study.stability.compact import write_compact
 from curvebound.study.stability.maps import Request, make_maps, values_of
 from curvebound.study.stability.probe import Probe
 from curvebound.study.stability.stability_map import map_column

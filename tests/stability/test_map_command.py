@@ -27,6 +27,7 @@ def test_the_command_writes_table_picture_and_page(tmp_path, capsys) -> None:
         "bead.wire.radius.html",
         "bead.wire.radius.png",
         "bead.wire.radius_boundaries.csv",
+        "index.html",
     ]
     with (folder / "bead.wire.radius_boundaries.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -95,7 +96,11 @@ def test_a_map_without_one_point_says_why(tmp_path, capsys) -> None:
 
 @pytest.mark.parametrize(
     "arguments",
-    [["bead_on_wire", *VARY], ["--all"], ["--sample", "2"]],
+    [
+        ["stability", "bead_on_wire", *VARY, "--no-plots"],
+        ["sample", "--points", "2"],
+    ],
+    ids=lambda arguments: arguments[0],
 )
 def test_a_folder_that_cannot_be_written_is_refused_first(
     arguments: list[str], tmp_path, capsys, monkeypatch
@@ -103,36 +108,29 @@ def test_a_folder_that_cannot_be_written_is_refused_first(
     monkeypatch.setattr("curvebound.study.stability.maps.make_maps", None)
     monkeypatch.setattr("curvebound.study.stability.sample.run_sample", None)
     (tmp_path / "file").touch()
-    out = ["--no-plots", "--out", str(tmp_path / "file")]
-    assert main(["stability", *arguments, *out]) == 2
+    assert main([*arguments, "--out", str(tmp_path / "file")]) == 2
     assert re.search("file/.* cannot be written", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(
     "arguments",
     [
-        [],
-        ["bead_on_wire"],
-        ["--vary", "a.b=1:2:3"],
-        ["--all", "--jobs", "0"],
-        ["--all", "--documentation", "fmus", "--method", "rk4"],
-        ["--all", "--stop", "3"],
-        ["--all", "--system", "bead"],
-        ["--sample", "2", "--accuracy", "1e-3"],
-        ["--long", "--seed", "2"],
-        ["--all", "--periods", "1e4"],
-        ["--long", "--set", "bead.wire.radius=2"],
-        ["--sample", "3", "--method", "rk4", "--method", "adaptive"],
-        ["--sample", "3", "--tolerance", "nan"],
-        ["--sample", "3", "--times", "0"],
-        ["--long", "--periods", "inf"],
-        ["--long", "--calls", "inf"],
-        ["--long", "--method", "exact"],
+        ["stability"],
+        ["stability", "bead_on_wire"],
+        ["stability", "--vary", "a.b=1:2:3"],
+        ["stability", "bead_on_wire", *VARY, "--jobs", "0"],
+        ["stability", "bead_on_wire", *VARY, "--method", "rk5"],
+        ["stability", "bead_on_wire", *VARY, "--points", "3"],
+        ["sample", "--accuracy", "1e-3"],
+        ["sample", "--points", "0"],
+        ["sample", "--tolerance", "nan"],
+        ["sample", "--times", "0"],
     ],
+    ids=" ".join,
 )
 def test_wrong_usage_is_told_apart(arguments: list[str], capsys) -> None:
     with pytest.raises(SystemExit) as caught:
-        main(["stability", *arguments])
+        main(arguments)
     assert caught.value.code == 2
 
 

@@ -1,4 +1,4 @@
-"""The FMUs carry the maps that `curvebound stability --all --documentation fmus` made."""
+"""The FMUs carry the maps that `python tests/benchmarks maps --documentation fmus` made."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-
-from curvebound.study.stability.catalogue import catalogue
+from benchmarks.catalogue import catalogue
 
 #: the whole file; an FMU is below a megabyte
 LARGEST = 16_000

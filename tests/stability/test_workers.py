@@ -40,11 +40,11 @@ def test_workers_leave_interrupts_to_their_parent() -> None:
 
 
 def test_an_interrupted_command_claims_no_more_than_it_keeps(monkeypatch, capsys) -> None:
-    def interrupted(*_: object) -> None:
+    def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("curvebound.cli.stability._sample", interrupted)
-    assert main(["stability", "--sample", "2", "--out", "."]) == 1
+    monkeypatch.setattr("curvebound.study.stability.sample.run_sample", interrupted)
+    assert main(["sample", "--points", "2", "--out", "."]) == 1
     assert "nothing else is kept" in capsys.readouterr().err
     monkeypatch.setattr("curvebound.cosim.scene_names", interrupted)
     assert main(["list"]) == 1

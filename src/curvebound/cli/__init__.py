@@ -39,6 +39,7 @@ _COMMANDS = (
     "tune",
     "sweep",
     "stability",
+    "sample",
     "linearize",
 )
 

@@ -105,7 +105,7 @@ def build(
     natives = {p: binary for p in binaries.PLATFORMS if (binary := binaries.compile_binary(p))}
     wrapped = len(natives) < len(binaries.PLATFORMS)
     package = sources.package(compiled=bool(extensions))
-    parts = (_HERE / "description.py", _HERE / "units.py", *binaries.SOURCES)
+    parts = (_HERE / "description.py", _HERE.parent / "units.py", *binaries.SOURCES)
     described = b"".join(part.read_bytes() for part in parts)
     system_text = "\0".join(own.files.values()).encode()
     content = [sources.digest.encode(), described, drawing, system_text]

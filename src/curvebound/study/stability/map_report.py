@@ -83,7 +83,7 @@ def write_index(pages: Sequence[tuple[str, Path]], folder: Path) -> Path:
         for address, (title, _) in zip(addresses, pages, strict=True)
     )
     body = f"<main><h1>Stability maps</h1><ul>{items}</ul></main>"
-    text = report("Stability maps", body, "Made by curvebound stability --all.")
+    text = report("Stability maps", body, "Made by curvebound stability.")
     return write_page(folder / "index.html", text)
 
 

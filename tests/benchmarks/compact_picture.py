@@ -7,12 +7,13 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...files import write_whole
-from ...units import labelled
-from ..figures import COLOURS
+from curvebound.files import write_whole
+from curvebound.study.figures import COLOURS
+from curvebound.study.stability.maps import Request
+from curvebound.study.stability.stability_map import StabilityMap
+from curvebound.units import labelled
+
 from .catalogue import Named
-from .maps import Request
-from .stability_map import StabilityMap
 
 __all__ = ["write_compact"]
 

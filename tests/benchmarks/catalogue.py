@@ -1,4 +1,4 @@
-"""The maps of both systems over their whole ranges: `curvebound stability --all`.
+"""The maps of both systems over their whole ranges: `python tests/benchmarks maps`.
 
 Each is also one command, `curvebound stability SCENE --set ... --vary ...`, apart from the length
 of its runs where that follows from the value.
@@ -10,9 +10,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ...cosim.fmu import Value
-from .maps import Request
-from .stability_map import METHODS
+from curvebound.cosim.fmu import Value
+from curvebound.study.stability.maps import Request
+from curvebound.study.stability.stability_map import METHODS
 
 __all__ = ["Named", "catalogue"]
 
