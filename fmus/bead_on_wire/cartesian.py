@@ -91,16 +91,13 @@ class BeadCartesian(BeadBase):
         # the reciprocal does not wait for the velocity, which a Runge-Kutta stage knows last
         inverse = 1.0 / pp
         push = (q0 * ex + q1 * ey) + (v0 * v0 + v1 * v1)
-        if self.plain:
-            factor = push * inverse
-            self.a0 = ex - factor * q0
-            self.a1 = ey - factor * q1
-            return
-        push += self.along * (q0 * v0 + q1 * v1) + self.off * (pp - self.rr)
+        if not self.plain:
+            push += self.along * (q0 * v0 + q1 * v1) + self.off * (pp - self.rr)
+            ex -= self.k * v0
+            ey -= self.k * v1
         factor = push * inverse
-        k = self.k
-        self.a0 = ex - k * v0 - factor * q0
-        self.a1 = ey - k * v1 - factor * q1
+        self.a0 = ex - factor * q0
+        self.a1 = ey - factor * q1
 
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float

@@ -87,19 +87,19 @@ class ParabolaLinear(ParabolaNonlinear):
 
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         if self.plain:
-            self.a0 = self.u_u * q0 + self.u_k * q1
-            self.a1 = self.th_u * q0 + self.th_k * q1
-            return
-        a2 = 2.0 * self.a
-        if self.reshapes:
-            a2 += t * (2.0 * self.a_rate + t * self.a_acceleration)
-        q = a2 * q0
-        k = q1 - q
-        a0 = self.u_q * q + self.u_k * k + self.u_1
-        a1 = self.th_q * q + self.th_k * k + self.th_1
-        if self.damped:
-            a0 += self.u_p * v0 + self.u_o * v1
-            a1 += self.th_p * v0 + self.th_o * v1
+            a0 = self.u_u * q0 + self.u_k * q1
+            a1 = self.th_u * q0 + self.th_k * q1
+        else:
+            a2 = 2.0 * self.a
+            if self.reshapes:
+                a2 += t * (2.0 * self.a_rate + t * self.a_acceleration)
+            q = a2 * q0
+            k = q1 - q
+            a0 = self.u_q * q + self.u_k * k + self.u_1
+            a1 = self.th_q * q + self.th_k * k + self.th_1
+            if self.damped:
+                a0 += self.u_p * v0 + self.u_o * v1
+                a1 += self.th_p * v0 + self.th_o * v1
         self.a0 = a0
         self.a1 = a1
 

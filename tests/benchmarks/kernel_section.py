@@ -28,7 +28,8 @@ class _Case(NamedTuple):
     function: str
     arguments: tuple[Any, ...]
     start: str
-    is_default: bool
+    #: most that compiled over C may be, where that is held
+    limit: float | None
 
 
 def _cases() -> list[_Case]:
@@ -42,7 +43,7 @@ def _cases() -> list[_Case]:
             "run_bead_cartesian",
             (ctypes.byref(bead), 1),
             "cartesian",
-            True,
+            1.2,
         ),
         _Case(
             "bead, Cartesian",
@@ -51,7 +52,7 @@ def _cases() -> list[_Case]:
             "run_bead_cartesian",
             (ctypes.byref(bead), 0),
             "cartesian",
-            False,
+            None,
         ),
         _Case(
             "bead, angle",
@@ -60,7 +61,7 @@ def _cases() -> list[_Case]:
             "run_bead_angle",
             (ctypes.byref(bead),),
             "angle",
-            False,
+            None,
         ),
         _Case(
             "pendulum, nonlinear",
@@ -69,7 +70,7 @@ def _cases() -> list[_Case]:
             "run_pendulum_nonlinear",
             (ctypes.byref(pendulum),),
             "pendulum",
-            True,
+            1.2,
         ),
         _Case(
             "pendulum, linear",
@@ -78,7 +79,7 @@ def _cases() -> list[_Case]:
             "run_pendulum_linear",
             (ctypes.byref(linear),),
             "pendulum",
-            False,
+            1.4,
         ),
     ]
 
@@ -125,7 +126,8 @@ def kernel_section(settings: Settings, advance: Callable[[], object]) -> Section
         times = [samples[f"{case.title} {form}"] for form in ("C", "compiled", "interpreted")]
         measured = ratio(times[1], times[0])
         table.rows.append((case.title, *(median(each) * 1e9 for each in times), measured))
-        if case.is_default:
-            section.targets.append(Target(f"RK4 step, compiled / C: {case.title}", 1.3, measured))
+        if case.limit is not None:
+            what = f"RK4 step, compiled / C: {case.title}"
+            section.targets.append(Target(what, case.limit, measured))
     section.tables.append(table)
     return section

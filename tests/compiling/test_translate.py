@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,7 +26,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final
 
-__all__ = ["Shape", "power", "root", "scaled", "sine", "total", "whole"]
+__all__ = ["Shape", "power", "root", "scaled", "sine", "sum_of_areas", "total", "whole"]
 
 SIZE: Final = 3
 FACTOR: Final = 2.5
@@ -37,6 +38,7 @@ class Shape:
         self.side: float = 1.0
         self.count: int = 0
         self.row: Row = [0.0] * SIZE
+        self.bends: bool = False
 
     def area(self, short: float) -> float:
         """The area, as far as it is known here."""
@@ -50,6 +52,20 @@ class Shape:
         if x == 1.0:
             return
         self.side /= x
+
+
+def add_areas(shape: Shape, short: float, count: int) -> float:
+    bends = shape.bends
+    result = 0.0
+    for i in range(count):
+        result += shape.area(short + i)
+        if bends:
+            shape.divide(2.0)
+    return result
+
+
+def sum_of_areas(shape: Shape, count: int) -> float:
+    return add_areas(shape, 0.5, count)
 
 
 def sine(x: float) -> float:
@@ -108,8 +124,8 @@ def square() -> Shape:
 """
 
 VISIBLE = {
-    "": ("power", "root", "scaled", "sine", "total", "whole"),
-    "Shape": ("side", "count", "measure", "divide"),
+    "": ("power", "root", "scaled", "sine", "sum_of_areas", "total", "whole"),
+    "Shape": ("side", "bends", "count", "measure", "divide"),
 }
 
 
@@ -125,7 +141,8 @@ def forms(tmp_path_factory) -> Iterator[list[tuple[ModuleType, ModuleType]]]:
     sys.path.insert(0, str(folder))
     try:
         names = ("package_of_test.core_of_test", "package_of_test.system_of_test")
-        core = translate("compiled_core_of_test", {names[0]: CORE}, None, VISIBLE)
+        repeated = {names[0]: ["add_areas"]}
+        core = translate("compiled_core_of_test", {names[0]: CORE}, None, VISIBLE, repeated)
         system = translate("compiled_system_of_test", {names[1]: SYSTEM}, core)
         for unit in (core, system):
             compile_c(write_c(unit, folder, core), HERE)
@@ -145,7 +162,7 @@ def outcome(function, x: float) -> object:
         return type(error)
 
 
-@pytest.mark.parametrize("name", VISIBLE[""])
+@pytest.mark.parametrize("name", [name for name in VISIBLE[""] if name != "sum_of_areas"])
 def test_same_numbers_and_exceptions(forms, name: str) -> None:
     (plain, _), (compiled, _) = forms
     for x in (0.0, -0.0, 0.3, -2.5, 1e9, 709.0, 1e300, math.inf, -math.inf):
@@ -164,6 +181,32 @@ def test_classes_across_modules(forms) -> None:
         with pytest.raises(ZeroDivisionError):
             shape.divide(0.0)
     assert results[0] == results[1] == (2.8125, 11.25, 2.25, 2)
+
+
+@pytest.mark.parametrize("bends", [False, True])
+def test_a_loop_that_each_class_has_for_itself(forms, bends: bool) -> None:
+    results = []
+    for core, system in forms:
+        shape = system.square()
+        shape.bends = bends
+        results.append((core.sum_of_areas(shape, 3), shape.side))
+    assert results[0] == results[1] == ((17.8125, 1.875) if bends else (11.25, 1.0))
+
+
+def test_what_that_loop_calls_is_called_directly(tmp_path, monkeypatch) -> None:
+    package = tmp_path / "direct_of_test"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "core_of_test.py").write_text(CORE)
+    (package / "system_of_test.py").write_text(SYSTEM)
+    monkeypatch.syspath_prepend(tmp_path)
+    names = ("direct_of_test.core_of_test", "direct_of_test.system_of_test")
+    core = translate("core", {names[0]: CORE}, None, VISIBLE, {names[0]: ["add_areas"]})
+    system = translate("system", {names[1]: SYSTEM}, core)
+    assert "Square.c_area(self, short_ + i)" in system.pyx
+    made = write_c(system, tmp_path, core).read_text()
+    assert re.search(r"static CYTHON_INLINE double \w+Square_c_area\(", made)
+    assert not re.search(r"static CYTHON_INLINE int \w+Square_c_divide\(", made)
 
 
 def test_what_cannot_be_translated_is_said(tmp_path, monkeypatch) -> None:

@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 from ..errors import CurveboundError
+from .repeated import inlined
 from .toolchain import LINUX, WINDOWS, compiler_for
 from .translate import Unit
 from .windows_imports import headers_for_windows, import_libraries
@@ -72,8 +73,10 @@ def write_c(unit: Unit, folder: Path, core: Unit) -> Path:
     if result.num_errors:
         raise CurveboundError(f"Cython refused {unit.name}, see above")
     made = source.with_suffix(".c")
+    text = inlined(made.read_text(encoding="utf-8"), unit.inline)
+    made.write_text(text, encoding="utf-8")
     # of an object whose type it does not know, compiled code asks by name
-    asked = set(_BY_NAME.findall(made.read_text(encoding="utf-8")))
+    asked = set(_BY_NAME.findall(text))
     unseen = sorted(asked & (unit.hidden() | core.hidden()))
     if unseen:
         raise CurveboundError(

@@ -12,6 +12,7 @@ What Python does not have to see is seen by C alone.
 from __future__ import annotations
 
 import ast
+import copy
 import importlib
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -19,6 +20,7 @@ from typing import Any
 
 from ..errors import CurveboundError
 from .c_functions import definitions
+from .repeated import Calls, as_method, called, directly
 from .rewrite import RESERVED, Rewriter, c_name, has_closure, local_names, mangled
 
 __all__ = ["Unit", "absolute", "translate"]
@@ -68,6 +70,12 @@ class Unit:
     classes: dict[str, dict[str, str]] = field(default_factory=dict)
     #: names of methods that are C functions, and for Python's sake a method that calls it
     methods: set[str] = field(default_factory=set)
+    #: class -> names of the methods that it defines
+    defined: dict[str, set[str]] = field(default_factory=dict)
+    #: class -> methods that each class derived from it has for itself
+    repeated: dict[str, list[ast.FunctionDef]] = field(default_factory=dict)
+    #: C names of methods that are best put in the place of their calls
+    inline: set[str] = field(default_factory=set)
     #: names of attributes that Python sees
     visible: frozenset[str] = frozenset()
     pyx: str = ""
@@ -99,18 +107,40 @@ def translate(
     sources: Mapping[str, str],
     core: Unit | None = None,
     visible: Mapping[str, Collection[str]] | None = None,
+    repeated: Mapping[str, Collection[str]] | None = None,
 ) -> Unit:
     """Translate modules (dotted name -> text; they can be imported) into one extension module.
 
     visible: class -> names of its attributes and methods that Python sees, "" -> functions; where
     there is a `core`, the functions in the modules' `__all__` instead.
+    repeated: module -> functions that use nothing but their arguments, the first of them an object
+    of a class: each class that another unit derives from it gets a copy of its own.
     The modules may import each other and those of `core`. Raises CurveboundError, with module and
     line, for what cannot be translated.
     """
     unit = Unit(name, {key: _read(key, text) for key, text in sources.items()})
     unit.visible = frozenset().union(*(visible or {}).values())
+    for module, functions in (repeated or {}).items():
+        _repeat(unit, unit.modules[module], functions)
     _Writer(unit, core, visible or {}).write()
     return unit
+
+
+def _repeat(unit: Unit, module: Module, functions: Collection[str]) -> None:
+    """Make functions of a module methods of the class of their first argument."""
+    short = module.name.rpartition(".")[2]
+    methods = {name: f"{short}__{name}" for name in functions}
+    for node in [node for node in module.tree.body if getattr(node, "name", "") in methods]:
+        assert isinstance(node, ast.FunctionDef)
+        module.tree.body.remove(node)
+        kind = ast.unparse(node.args.args[0].annotation or ast.Name("object"))
+        home, name = module.imported.get(kind, (module.name, kind))
+        method = as_method(node, methods[node.name])
+        for part in unit.modules[home].tree.body:
+            if isinstance(part, ast.ClassDef) and part.name == name:
+                part.body.append(method)
+        unit.repeated.setdefault(name, []).append(copy.deepcopy(method))
+    Calls(methods).visit(module.tree)
 
 
 def _read(name: str, text: str) -> Module:
@@ -320,6 +350,8 @@ class _Writer:
         self.unit.bases[name] = base
         own = self.unit.classes[name] = {}
         methods = [part for part in node.body if isinstance(part, ast.FunctionDef)]
+        self.unit.defined[name] = {method.name for method in methods}
+        methods += self.repeated(node.name, name)
         for method in methods:
             for attribute, kind in self.assigned(method):
                 if attribute in RESERVED:
@@ -344,6 +376,22 @@ class _Writer:
         self.body.append("    pass")
         for method in methods:
             self.function(method, name)
+
+    def repeated(self, shown: str, name: str) -> Iterator[ast.FunctionDef]:
+        """What the class `name`, `shown` in its module, of a system repeats of the core."""
+        if self.core is None:
+            return
+        own: set[str] = set()
+        base = name
+        while base in self.unit.bases:
+            own |= self.unit.defined[base]
+            base = self.unit.bases[base]
+        while base in self.core.bases:
+            for method in self.core.repeated.get(base, ()):
+                if not self.unit.defined[name].isdisjoint(called(method)):
+                    self.unit.inline |= {c_name(name) for name in own & called(method, always=True)}
+                    yield directly(method, shown, own)
+            base = self.core.bases[base]
 
     def assigned(self, method: ast.FunctionDef) -> Iterator[tuple[str, str]]:
         """The attributes that a method sets, with the C types of those that say or show theirs."""

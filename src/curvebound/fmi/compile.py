@@ -35,6 +35,8 @@ _VISIBLE = {
     ),
     "System": ("create",),
 }
+#: the loops in which the time goes
+_REPEATED = {"curvebound.kernel.rk4": ("steps",)}
 
 
 class Compiled(NamedTuple):
@@ -107,7 +109,7 @@ def _c_sources(core: Runtime, system: SystemSources | None) -> Path:
     """The folder with the C source of the core or of a system."""
 
     def make(folder: Path) -> None:
-        unit = core_unit = translate(core.extension, core.kernel, None, _VISIBLE)
+        unit = core_unit = translate(core.extension, core.kernel, None, _VISIBLE, _REPEATED)
         if system is not None:
             unit = translate(system.extension, system.kernel, core_unit)
         made = write_c(unit, folder, core_unit)
@@ -146,8 +148,8 @@ def load_compiled(system: SystemSources) -> tuple[ModuleType, ModuleType]:
     names = (core.extension, system.extension)
     if not all(name in sys.modules for name in names):
         with tempfile.TemporaryDirectory(prefix="curvebound-") as folder:
-            for file, content in compile_kernel(core, system).files.items():
-                (Path(folder) / file).write_bytes(content)
+            for name, unit in zip(names, (None, system), strict=True):
+                (Path(folder) / f"{name}{SUFFIXES[HERE]}").write_bytes(extension(HERE, core, unit))
             sys.path.insert(0, folder)
             try:
                 importlib.invalidate_caches()

@@ -35,7 +35,7 @@ _INTERPRETED = (
 _OTHERS = ("common", "declaration", "slave", "wrapped")
 _FACES = ("controller", "engine", "plant", "table", "watch")
 #: decides, with the sources, what is compiled from them
-_TRANSLATOR = ("c_functions", "extension", "rewrite", "translate")
+_TRANSLATOR = ("c_functions", "extension", "repeated", "rewrite", "translate")
 
 
 class Runtime(NamedTuple):
