@@ -15,6 +15,7 @@
  *   step I TIME SIZE       steps I START SIZE COUNT [VR ...]   prints the values after each step
  *   save I S   restore I S   drop I S   write I S B   read I B S   flip B OFFSET   cut B LENGTH
  *   length B
+ *   clock                  CPU seconds of this process
  *   status I               the inquiries about the last step
  *   derivatives I          the three functions about derivatives
  *   misuse I               calls with NULL arguments
@@ -29,6 +30,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static const char *const NAMES[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
 
@@ -315,6 +317,9 @@ static void command(char **word, int n)
         bytes[a][strtoul(word[2], NULL, 10) % lengths[a]] ^= 1;
     } else if (IS("cut", 3)) {
         lengths[a] = strtoul(word[2], NULL, 10);
+    } else if (IS("clock", 1)) {
+        say("= OK %.6f\n", (double)clock() / CLOCKS_PER_SEC);
+        return;
     } else if (IS("length", 2)) {
         say("= OK %zu\n", lengths[a]);
         return;
