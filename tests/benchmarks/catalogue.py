@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from curvebound.cosim.fmu import Value
 from curvebound.study.stability.maps import Request
-from curvebound.study.stability.stability_map import METHODS
+from curvebound.study.stability.stability_map import MAPPED
 
 __all__ = ["Named", "catalogue"]
 
@@ -96,7 +96,7 @@ def catalogue(methods: tuple[str, ...] = (), accuracy: float = 1e-3) -> list[Nam
                     scene,
                     f"{component}.{variable}={listed}",
                     tuple((f"{component}.{name}", value) for name, value in changes.items()),
-                    methods or METHODS,
+                    methods or MAPPED,
                     accuracy,
                     durations=tuple(duration(value) for value in values),
                     fmu=fmu,

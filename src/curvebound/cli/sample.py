@@ -14,12 +14,11 @@ import argparse
 from pathlib import Path
 
 from ..arguments import positive, whole
+from ..kernel.methods import METHODS
 from .bar import progress_bar
 
 NAME = "sample"
 HELP = "run random points of a system's ranges against exact references"
-
-_METHODS = ("explicit_euler", "semi_implicit_euler", "rk4", "implicit", "adaptive", "exact")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--points", type=whole(1), default=200, metavar="N", help="of each system (default: 200)"
     )
     parser.add_argument("--seed", type=int, default=1, help="another sample (default: 1)")
-    parser.add_argument("--method", choices=_METHODS, default="adaptive", help="default: adaptive")
+    parser.add_argument("--method", choices=METHODS, default="adaptive", help="default: adaptive")
     parser.add_argument(
         "--tolerance", type=positive, default=1e-8, help="of adaptive (default: 1e-8)"
     )

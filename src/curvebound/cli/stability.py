@@ -15,12 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from ..arguments import positive, setting, whole
+from ..kernel.methods import METHODS
 from .bar import progress_bar
 
 NAME = "stability"
 HELP = "map where the methods break, over a parameter and the step"
-
-_METHODS = ("explicit_euler", "semi_implicit_euler", "rk4", "implicit", "adaptive", "exact")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="the parameter of a map: component.variable=LOW:HIGH:N, with :log for equal "
         "steps in the logarithm, or =a,b,c; may be repeated, one map each",
     )
-    parser.add_argument("--method", action="append", choices=_METHODS, help="may be repeated")
+    parser.add_argument("--method", action="append", choices=METHODS, help="may be repeated")
     parser.add_argument(
         "--steps", metavar="LOW:HIGH:N", help="steps in s (default: 5e-6 to 0.1 of the run, 22)"
     )
@@ -81,7 +80,7 @@ def _requests(options: argparse.Namespace) -> list[Any]:
     """The maps of --vary; ends with the usage where the words are wrong."""
     from ..errors import CurveboundError
     from ..study.stability.maps import Request, refuse_ignored, steps_from, values_of
-    from ..study.stability.stability_map import METHODS
+    from ..study.stability.stability_map import MAPPED
 
     requests = []
     try:
@@ -91,7 +90,7 @@ def _requests(options: argparse.Namespace) -> list[Any]:
                     options.scene,
                     text,
                     tuple(options.set),
-                    tuple(options.method or METHODS),
+                    tuple(options.method or MAPPED),
                     options.accuracy,
                     options.stop,
                     steps_from(options.steps),

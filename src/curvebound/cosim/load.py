@@ -23,9 +23,22 @@ def scene_names() -> list[str]:
 
 
 def load_scene(which: str | Path) -> Scene:
-    """The scene of a Python file (its variable `scene`), of an SSP file, or one of ours by name.
+    """A scene from a file, or one that comes with the package.
 
-    Raises CurveboundError when there is none.
+    Parameters
+    ----------
+    which : str or Path
+        A Python file (its variable `scene`), an SSP file (.ssp), or a name, see scene_names.
+
+    Returns
+    -------
+    Scene
+        Not yet checked.
+
+    Raises
+    ------
+    CurveboundError
+        There is none, or the script fails.
     """
     path = Path(which)
     if path.suffix == ".ssp":

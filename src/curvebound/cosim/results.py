@@ -27,16 +27,27 @@ Table = NDArray[Any]  # structured: time, then one column per variable
 class Result:
     """A run of a scene.
 
-    data: structured array, shape (points,), columns `time` (s) and `component.variable`, one row
-        per recorded communication point, the initial one included.
-    wall: seconds that the run took, loading and initialization included; `stepping` those spent
-        between the initial point and the last, recording included.
-    steps: macro steps of the solution; `trials` those computed to find it (adaptive only: every
-        full and half step, rejected ones included, otherwise equal to `steps`); `rejected` the
-        macro steps that were taken back.
-    drawings: what to draw of each component, where its FMU tells.
-    notes: what the user should know once: warnings of the FMUs, inputs left at their start.
-    complete: False when the run ended before the stop time; `failure` then says why.
+    Attributes
+    ----------
+    data : structured array, shape (points,)
+        Columns ``time`` (s) and ``component.variable`` in the units of `units`, one row for each
+        recorded communication point, the initial one included.
+    wall, stepping : float
+        Seconds that the run took, loading and initialization included, and those spent between the
+        initial point and the last, recording included.
+    steps, trials, rejected : int
+        Macro steps of the solution; those computed to find it (adaptive: every full and half step,
+        rejected ones included, else `steps`); those taken back.
+    units : dict of str to str
+        Unit by path.
+    drawings : dict of str to Drawing
+        What to draw of each component, where its FMU tells.
+    notes : list of str
+        What the user should know once: warnings of the FMUs, inputs left at their start.
+    settings : dict
+        With what it was run.
+    complete : bool
+        False when the run ended before the stop time; `failure` then says why.
     """
 
     scene: str
@@ -67,14 +78,37 @@ class Result:
         return np.asarray(self.data[name])
 
     def write(self, path: Path | str) -> Path:
-        """Keep the data as CSV, see write_csv."""
+        """Keep the data as CSV: floats by repr, so that reading gives the same bits.
+
+        Parameters
+        ----------
+        path : Path or str
+            The file, which appears whole or not at all.
+
+        Returns
+        -------
+        Path
+            The same.
+
+        Raises
+        ------
+        CurveboundError
+            It cannot be written.
+        """
         return write_csv(self.data, path)
 
 
 class RunFailed(CurveboundError):
-    """A run that ended before its time: names component, time and cause.
+    """A run that ended before its time.
 
-    `result` holds what was recorded up to there.
+    Attributes
+    ----------
+    result : Result
+        What was recorded up to there.
+    component, cause : str
+        Which component failed, and what it said.
+    time : float
+        When, in s.
     """
 
     def __init__(self, message: str, result: Result, component: str, time: float, cause: str):
@@ -121,10 +155,22 @@ def as_csv(columns: Mapping[str, Sequence[float]]) -> str:
 
 
 def read_csv(path: Path | str) -> Table:
-    """The structured array of a file that write_csv wrote (any CSV with a header of names).
+    """The table that Result.write or write_csv wrote, or any CSV with a header of names.
 
-    A column whose every entry is an integer literal becomes int64, any other float64. Raises
-    CurveboundError, which names file and line, on a file that is not such a table.
+    Parameters
+    ----------
+    path : Path or str
+        The file.
+
+    Returns
+    -------
+    structured array, shape (rows,)
+        A column whose every entry is an integer literal is int64, any other float64.
+
+    Raises
+    ------
+    CurveboundError
+        Names file and line where it is not such a table.
     """
     with reading(f"{path} cannot be read as a table", "Give a CSV with a line of names."):
         return _table(Path(path))

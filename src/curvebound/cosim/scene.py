@@ -18,22 +18,69 @@ class Scene(SceneData):
     """A scene, see SceneData for how it is built."""
 
     def check(self) -> System:
-        """Resolve every name and check everything; CurveboundError lists all that is wrong."""
+        """Resolve every name and check everything.
+
+        Returns
+        -------
+        System
+            The scene with its FMUs read, links, order and what will be recorded.
+
+        Raises
+        ------
+        CurveboundError
+            Lists all that is wrong.
+        """
         return resolve(self)
 
     def prepare(self) -> Prepared:
-        """FMUs loaded and instantiated, ready to run many times: see curvebound.cosim.prepared."""
+        """Load the FMUs, to run them many times: ``with scene.prepare() as prepared: ...``.
+
+        Returns
+        -------
+        Prepared
+            Its ``run(start, stop_time=, step=)`` runs from the start time with other values.
+
+        Raises
+        ------
+        CurveboundError
+            As `check`.
+        """
         return Prepared(self)
 
     def run(self, *, progress: Callable[[float], None] | None = None) -> Result:
         """Run once and free everything.
 
-        progress: called some times a second with the time reached in s.
-        Raises RunFailed, which holds the result up to the failure.
+        Parameters
+        ----------
+        progress : callable, optional
+            Called some times a second with the time reached in s.
+
+        Returns
+        -------
+        Result
+            Arrays of shape (points,) by path.
+
+        Raises
+        ------
+        CurveboundError
+            As `check`.
+        RunFailed
+            A component failed; its ``result`` holds what was recorded until then.
         """
         with Prepared(self) as prepared:
             return prepared.run(progress=progress)
 
     def main(self, arguments: Sequence[str] | None = None) -> None:
-        """Run as `python SCENE.py`: the options of `curvebound run`, this scene as its subject."""
+        """Run as ``python SCENE.py``: the options of ``curvebound run``, this scene as its subject.
+
+        Parameters
+        ----------
+        arguments : sequence of str, optional
+            Default: those of the process.
+
+        Raises
+        ------
+        SystemExit
+            Always, with the status.
+        """
         raise SystemExit(main(self, arguments))

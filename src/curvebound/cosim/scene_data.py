@@ -95,22 +95,7 @@ class Jumping:
 
 
 class SceneData:
-    """A scene under construction; nothing is read or checked before it is resolved.
-
-    name: one word; description: one line.
-    stop_time, start_time, step: in s; `step` is the macro step (the first one when adaptive).
-    algorithm: gauss_seidel (default), jacobi, strang or midpoint, see
-        curvebound.cosim.algorithms.
-    order: component names in the order in which gauss_seidel steps them (default: derived).
-    groups: the two groups of component names of strang (default: derived).
-    adaptive: None for a fixed macro step.
-    loop_tolerance: None makes an algebraic loop an error; a number iterates it to this relative
-        tolerance at each communication point.
-    tolerance: given to every FMU in fmi2SetupExperiment; None gives each that of its own
-        DefaultExperiment, if it has one.
-    record_every: keep each n-th communication point only (and the last).
-    needs: error bound per output path, or a Needs.
-    """
+    """A scene under construction; nothing is read or checked before it is resolved."""
 
     def __init__(
         self,
@@ -129,6 +114,42 @@ class SceneData:
         record_every: int = 1,
         needs: Mapping[str, float] | Needs | None = None,
     ) -> None:
+        """An empty scene.
+
+        Parameters
+        ----------
+        name : str
+            One word, after which files are named.
+        description : str
+            One line.
+        stop_time, start_time : float
+            In s.
+        step : float
+            Macro step between communication points in s (the first one where `adaptive`).
+        algorithm : {"gauss_seidel", "jacobi", "strang", "midpoint"}
+            How components exchange values, see curvebound.cosim.algorithms.
+        order : sequence of str, optional
+            Component names in the order in which gauss_seidel steps them (default: derived).
+        groups : pair of sequences of str, optional
+            The two groups of components of strang (default: derived).
+        adaptive : Adaptive, optional
+            Macro steps chosen by estimated error; None for a fixed step.
+        loop_tolerance : float, optional
+            Relative tolerance to which algebraic loops are iterated at each communication point;
+            None makes a loop an error.
+        tolerance : float, optional
+            Given to every FMU in fmi2SetupExperiment; None gives each that of its own
+            DefaultExperiment, if it has one.
+        record_every : int
+            Keep each n-th communication point only (and the last).
+        needs : mapping of str to float, or Needs, optional
+            Largest error allowed by output path, in the unit of the output.
+
+        Raises
+        ------
+        CurveboundError
+            A time is no number.
+        """
         self.name = name
         self.description = description
         self.stop_time = _number("stop_time", stop_time)
@@ -161,7 +182,29 @@ class SceneData:
         *,
         feedthrough: Mapping[str, Sequence[str]] | bool | None = None,
     ) -> Self:
-        """Add a component; start values by variable name, enumerations by item name or number."""
+        """Add a component.
+
+        Parameters
+        ----------
+        name : str
+            A word without a dot; its variables are ``name.variable`` in the scene.
+        source : str or Path
+            An FMU, or a system that is built if need be: by name, or the path of its folder.
+        start : mapping of str to float, int, bool or str, optional
+            Start values by the variable's name, in its unit; enumerations by item name or number.
+        feedthrough : mapping of str to sequence of str, or bool, optional
+            Inputs on which outputs depend directly; False: none. Default: what the FMU declares.
+
+        Returns
+        -------
+        Scene
+            The scene itself.
+
+        Raises
+        ------
+        CurveboundError
+            The name has a dot or is taken.
+        """
         if not name or "." in name:
             raise CurveboundError(
                 f"The component name {name!r} must be a word without a dot: "
@@ -180,27 +223,71 @@ class SceneData:
         offset: float = 0.0,
         mapping: Mapping[int, int] | None = None,
     ) -> Self:
-        """Let the output `source` drive the input `target` (paths component.variable).
+        """Let an output drive an input: input = factor * output + offset.
 
-        Units must agree; a given factor says that the difference is meant. Types may differ where
-        no value is lost: Integer and Enumeration in both directions, Boolean to these, all of them
-        to Real. mapping: whole numbers that become others on their way; the rest stay.
+        Types may differ where no value is lost: Integer and Enumeration in both directions, Boolean
+        to these, all of them to Real.
+
+        Parameters
+        ----------
+        source, target : str
+            Paths ``component.variable`` of the output and the input.
+        factor : float, optional
+            Default 1, for which the units must agree; a given one says that a difference is meant.
+        offset : float
+            In the unit of the input.
+        mapping : mapping of int to int, optional
+            Whole numbers that become others on their way; the rest stay.
+
+        Returns
+        -------
+        Scene
+            The scene itself; names, units and types are checked by `check` and `run`.
         """
         self.connections.append(Connection(source, target, factor, offset, mapping))
         return self
 
     def connect_matching(self, source: str, target: str) -> Self:
-        """Connect every output of component `source` to the equally named input of `target`."""
+        """Connect every output of one component to the equally named input of another.
+
+        Parameters
+        ----------
+        source, target : str
+            Names of the components.
+
+        Returns
+        -------
+        Scene
+            The scene itself.
+        """
         self.matches.append((source, target))
         return self
 
     def input(self, path: str, value: SignalLike, jumps: Sequence[float] = ()) -> Self:
         """Drive an input, or a tunable parameter, from the scene.
 
-        value: a number; a function of time in s; a pair (times, values); the path of a CSV file.
         It is evaluated at each communication point and held until the next one.
-        jumps: times in s at which a function jumps: macro steps end there, as they do where a
-        table gives a time twice; a jump that is not told acts up to a step late.
+
+        Parameters
+        ----------
+        path : str
+            ``component.variable``.
+        value : float, callable, pair of sequences, str or Path
+            A number; a function of time in s; (times, values); the path of a CSV file. In the unit
+            of the variable.
+        jumps : sequence of float
+            Times in s at which a function jumps: macro steps end there, as they do where a table
+            gives a time twice; a jump that is not told acts up to a step late.
+
+        Returns
+        -------
+        Scene
+            The scene itself.
+
+        Raises
+        ------
+        CurveboundError
+            The path is driven already.
         """
         if path in self.inputs:
             raise CurveboundError(f"{path} is given twice as an input of the scene {self.name}.")
@@ -210,22 +297,62 @@ class SceneData:
         return self
 
     def record(self, *paths: str) -> Self:
-        """Record outputs by path; * stands for any part of a variable's name.
+        """Record outputs. Without any call those that the scene needs, or else all.
 
-        Without any call the outputs that the scene needs are recorded, or else all of them.
+        Parameters
+        ----------
+        *paths : str
+            ``component.variable``; * stands for any part of a variable's name.
+
+        Returns
+        -------
+        Scene
+            The scene itself.
         """
         self.recorded.extend(paths)
         return self
 
     def variant(self, name: str, values: Mapping[str, Value]) -> Self:
-        """Name other settings under which the scene is worth running, as for `set`."""
+        """Name other settings under which the scene is worth running.
+
+        Parameters
+        ----------
+        name : str
+            Of the variant.
+        values : mapping of str to value
+            As for `set`.
+
+        Returns
+        -------
+        Scene
+            The scene itself.
+        """
         self.variants[name] = dict(values)
         return self
 
     # changing
 
     def set(self, path: str, value: Value) -> Self:
-        """Change a start value by its path, or step, stop_time, algorithm, tolerance by name."""
+        """Change a start value, or a setting of the scene itself.
+
+        Parameters
+        ----------
+        path : str
+            ``component.variable``, or step, stop_time, start_time, tolerance, loop_tolerance,
+            algorithm.
+        value : float, int, bool or str
+            In the variable's unit, or text with a unit to convert from ("90deg").
+
+        Returns
+        -------
+        Scene
+            The scene itself.
+
+        Raises
+        ------
+        CurveboundError
+            There is no such component or setting.
+        """
         component, dot, variable = path.partition(".")
         if not dot:
             self._set_own(path, value)
@@ -258,7 +385,18 @@ class SceneData:
         return self.adaptive is not None or self.algorithm == "midpoint"
 
     def copy(self, name: str | None = None) -> Self:
-        """An independent scene with the same content."""
+        """An independent scene with the same content.
+
+        Parameters
+        ----------
+        name : str, optional
+            Another name.
+
+        Returns
+        -------
+        Scene
+            What is done to it leaves this one as it is.
+        """
         other = copy.copy(self)
         other.name = name or self.name
         other.components = {k: copy.copy(c) for k, c in self.components.items()}
@@ -273,7 +411,23 @@ class SceneData:
         return other
 
     def with_variant(self, name: str) -> Self:
-        """A copy with the settings of the variant `name`."""
+        """A copy with the settings of a variant.
+
+        Parameters
+        ----------
+        name : str
+            Of the variant.
+
+        Returns
+        -------
+        Scene
+            A copy.
+
+        Raises
+        ------
+        CurveboundError
+            There is no such variant.
+        """
         if name not in self.variants:
             raise CurveboundError(
                 f"The scene {self.name} has no variant {name!r}; " + nearest(name, self.variants)

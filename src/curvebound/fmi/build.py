@@ -78,14 +78,30 @@ class BuiltFmu(NamedTuple):
 def build(
     which: str | Path | Folder, out: Path, *, compiled: bool = True, with_python: bool = False
 ) -> BuiltFmu:
-    """Build the FMU of a system into the folder `out` as NAME.fmu.
+    """Build the FMU of a system. Building twice gives the same bytes.
 
-    which: the system's name, the path of its folder (see find), or the Folder.
+    Parameters
+    ----------
+    which : str or Path or Folder
+        Name of a system that comes with the package or lies in a folder ``systems`` here, or the
+        path of its folder.
+    out : Path
+        Folder into which NAME.fmu is written.
+    compiled : bool
+        Compile the kernel where that is possible; otherwise the FMU runs interpreted.
+    with_python : bool
+        Put this Python into the FMU (Linux), for machines without any.
 
-    With `compiled` the kernel is compiled where that is possible; `with_python` this Python goes
-    into the FMU, for machines without any. Building twice gives the same bytes. Raises
-    CurveboundError for an unknown system, a mistake in it, a failing compiler or a Python that
-    cannot be brought along.
+    Returns
+    -------
+    BuiltFmu
+        ``name``, ``path`` and ``message``: one line that says what was done.
+
+    Raises
+    ------
+    CurveboundError
+        The system is unknown or has a mistake, a compiler fails, or the Python cannot be brought
+        along.
     """
     began = time.perf_counter()
     folder = which if isinstance(which, Folder) else find(which)

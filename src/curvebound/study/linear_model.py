@@ -36,8 +36,18 @@ Matrix = NDArray[np.float64]
 class LinearModel:
     """x' = A (x - x0) + B (u - u0) + rest, y = y0 + C (x - x0) + D (u - u0).
 
-    Shapes (n, n), (n, m), (p, n), (p, m) for n states, m inputs and p outputs; units by name.
-    rest: x' at the state itself, (n,), zero at an equilibrium.
+    Attributes
+    ----------
+    A, B, C, D : arrays of float
+        Shapes (n, n), (n, m), (p, n), (p, m) for n states, m inputs and p outputs.
+    states, inputs, outputs : tuple of str
+        Names in the order of rows and columns.
+    units : dict of str to str
+        Unit by name.
+    x0, u0, y0 : arrays of float
+        State, inputs and outputs about which it holds.
+    rest : array of float, shape (n,)
+        x' at the state itself, zero at an equilibrium.
     """
 
     A: Matrix
@@ -81,15 +91,34 @@ def linearize(
     *,
     equilibrium: bool = False,
 ) -> LinearModel:
-    """The linear model of a system about a state.
-
-    system: its name or folder. at: values of coordinates, rates, parameters and inputs that differ
-    from the declared ones. inputs, outputs: names, by default all inputs and the coordinates.
-    equilibrium: look for the state of rest next to `at` and linearise there.
+    """The linear model of a system about a state, right to the last bit.
 
     States are coordinates and rates, then position and velocity of the frame along the axes whose
     accelerations are among the inputs, and shapes whose accelerations are.
-    Raises CurveboundError for unknown names, or where no equilibrium is found.
+
+    Parameters
+    ----------
+    system : str or Path
+        Its name or folder.
+    at : mapping of str to float or str, optional
+        Values of coordinates, rates, parameters and inputs that differ from the declared ones, in
+        their units; enumerations by item.
+    inputs : sequence of str, optional
+        Columns of B and D (default: all inputs).
+    outputs : sequence of str, optional
+        Rows of C and D (default: the coordinates).
+    equilibrium : bool
+        Look for the state of rest next to `at` and linearise there.
+
+    Returns
+    -------
+    LinearModel
+        A (n, n), B (n, m), C (p, n), D (p, m) with names and units.
+
+    Raises
+    ------
+    CurveboundError
+        A name is unknown, no equilibrium is found, or scipy or mpmath is not installed.
     """
     require("study")
     import mpmath

@@ -15,7 +15,7 @@ from ...errors import CurveboundError
 from ...units import number
 from ..sweep.design import Axis, axis
 from .probe import Probe
-from .stability_map import METHODS, Column, StabilityMap, map_column, sizes_of
+from .stability_map import MAPPED, Column, StabilityMap, map_column, sizes_of
 from .workers import without_interrupts, workers
 
 __all__ = ["Request", "make_maps", "refuse_ignored", "steps_from", "values_of"]
@@ -38,7 +38,7 @@ class Request:
     scene: str
     vary: str
     changes: tuple[tuple[str, Value], ...] = ()
-    methods: tuple[str, ...] = METHODS
+    methods: tuple[str, ...] = MAPPED
     accuracy: float = 1e-3
     stop: float | None = None
     steps: tuple[float, float, int] | None = None

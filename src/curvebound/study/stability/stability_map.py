@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from ...cosim.fmu import Value
 from .probe import ACCURATE, FAILED, UNKNOWN, UNSTABLE, Probe, Probed
 
-__all__ = ["METHODS", "Column", "StabilityMap", "is_stable", "map_column", "sizes_of"]
+__all__ = ["MAPPED", "Column", "StabilityMap", "is_stable", "map_column", "sizes_of"]
 
-METHODS = ("explicit_euler", "semi_implicit_euler", "rk4", "implicit", "adaptive")
+#: methods that a map has by default
+MAPPED = ("explicit_euler", "semi_implicit_euler", "rk4", "implicit", "adaptive")
 #: a boundary is found to this ratio of the step
 RESOLUTION = 1.02
 #: so many accurate steps in a row, from the largest on: smaller ones are taken to be accurate

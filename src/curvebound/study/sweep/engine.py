@@ -38,7 +38,15 @@ def cores() -> int:
 
 @dataclass(frozen=True)
 class SweepResult:
-    """A finished sweep: its file, and how many points there are, were run now, and failed."""
+    """A finished sweep.
+
+    Attributes
+    ----------
+    path : Path
+        The file with one row for each point.
+    points, run, failed : int
+        How many points there are, were run now, and failed.
+    """
 
     path: Path
     points: int
