@@ -48,6 +48,8 @@ class Tab:
             self.errors.append(str([one.get("value") for one in said["args"]]))
         elif method == "Log.entryAdded" and said["entry"]["level"] in ("error", "warning"):
             self.errors.append(said["entry"]["text"])
+        elif method == "Network.webSocketCreated":
+            self.requests.append(said["url"])
         elif method == "Network.requestWillBeSent":
             self.requests.append(said["request"]["url"])
 
@@ -78,9 +80,13 @@ class Tab:
 
     def open(self, path: Path, fragment: str = "play=0", *, ready: bool = True) -> None:
         """Open a page, and wait until it has built itself unless it is not expected to."""
-        self.call("Page.navigate", url=f"{path.as_uri()}#{fragment}")
+        self.visit(f"{path.as_uri()}#{fragment}", ready=ready)
+
+    def visit(self, address: str, *, ready: bool = True) -> None:
+        """The same, of an address."""
+        self.call("Page.navigate", url=address)
         # the blank page before it is complete too
-        here = f"location.pathname === {json.dumps(urlparse(path.as_uri()).path)}"
+        here = f"location.pathname === {json.dumps(urlparse(address).path)}"
         self.wait(f"{here} && document.readyState === 'complete'")
         if ready:
             self.wait("document.documentElement.dataset.ready")
@@ -112,6 +118,14 @@ class Tab:
 
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+
+    def touch(self, kind: str, *points: tuple[float, float]) -> None:
+        places = [{"x": x, "y": y} for x, y in points]
+        self.call("Input.dispatchTouchEvent", type=kind, touchPoints=places)
+
+    def hold(self, key: str, *, down: bool) -> None:
+        """Press a key, or let it go."""
+        self.call("Input.dispatchKeyEvent", type="keyDown" if down else "keyUp", key=key)
 
     def picture(self, path: Path | None = None, *, whole: bool = False) -> bytes:
         shot = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)

@@ -33,6 +33,7 @@ _COMMANDS = (
     "build",
     "run",
     "demo",
+    "live",
     "replay",
     "ssp",
     "study",

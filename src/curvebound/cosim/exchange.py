@@ -212,7 +212,8 @@ class Exchange:
 
     def do_step(self, instance: Instance, time: c_double, size: c_double) -> Call:
         """The call that steps this component from `time` by `size`, both read when it is made."""
-        keeps = c_int(not self.system.scene.rolls_back)  # no rollback behind this point
+        scene = self.system.scene
+        keeps = c_int(not (scene.rolls_back or scene.goes_back))  # no rollback behind this point
         call = partial(instance.library.function("fmi2DoStep"), instance.pointer, time, size, keeps)
         self._calls[id(call)] = (instance.name, "DoStep")
         self._kept.append(call)

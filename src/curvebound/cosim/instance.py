@@ -184,7 +184,7 @@ class Instance:
         self.alive = True
         self.running = False  # between the entry to initialization and terminate
         self.failed = False
-        self._saved = [c_void_p(), c_void_p()]
+        self._saved: dict[int, c_void_p] = {}
         self._changed: set[str] = set()
         self.slave = copy.copy(library.slave)
         self.slave.instanceName = name
@@ -289,9 +289,13 @@ class Instance:
         return status <= WARNING
 
     def save(self, place: int = 0) -> None:
-        """Keep the present state for `restore`, in place of the one kept there before (0 or 1)."""
-        self._free_state(place)
-        self.call("GetFMUstate", byref(self._saved[place]))
+        """Keep the present state for `restore`, in place of the one kept there before.
+
+        place: any number.
+        """
+        self.drop(place)
+        state = self._saved[place] = c_void_p()
+        self.call("GetFMUstate", byref(state))
 
     def restore(self, place: int = 0) -> None:
         """Back to the state saved in that place, which stays saved."""
@@ -299,13 +303,14 @@ class Instance:
 
     def forget(self) -> None:
         """Free the saved states."""
-        for place in range(len(self._saved)):
-            self._free_state(place)
+        for place in list(self._saved):
+            self.drop(place)
 
-    def _free_state(self, place: int) -> None:
-        if self._saved[place].value and self.alive:
-            self.library.function("fmi2FreeFMUstate")(self.pointer, byref(self._saved[place]))
-        self._saved[place] = c_void_p()
+    def drop(self, place: int) -> None:
+        """Free the state saved in that place, if there is one."""
+        state = self._saved.pop(place, None)
+        if state is not None and state.value and self.alive:
+            self.library.function("fmi2FreeFMUstate")(self.pointer, byref(state))
 
     def terminate(self) -> None:
         """End the run; a failed instance may not be asked to."""

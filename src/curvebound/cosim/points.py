@@ -33,19 +33,20 @@ def count_steps(start: float, stop: float, step: float) -> tuple[int, float]:
 
 
 def macro_steps(
-    start: float, stop: float, step: float, jumps: Sequence[float] = ()
+    start: float, stop: float, step: float, jumps: Sequence[float] = (), done: int = 0
 ) -> Iterator[MacroStep]:
     """The macro steps of a run: from one multiple of `step` to the next, cut where inputs jump.
 
     jumps: times in s, in order. A point that is a jump but for rounding has the jump's time, at
     which the input has its new value.
+    done: whole macro steps that are over; theirs are left out.
     """
     count, rest = count_steps(start, stop, step)
     total = count + (rest > 0.0)
-    ahead = iter([jump for jump in jumps if start < jump < stop])
+    time = start + done * step if done else start
+    ahead = iter([jump for jump in jumps if time < jump < stop])
     jump = next(ahead, math.inf)
-    time = start
-    for n in range(1, total + 1):
+    for n in range(done + 1, total + 1):
         # multiples, never sums: rounding does not pile up
         end = stop if n == total else start + n * step
         while jump < end - NEAR * step:

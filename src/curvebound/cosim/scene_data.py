@@ -170,6 +170,7 @@ class SceneData:
         self.recorded: list[str] = []
         self.variants: dict[str, dict[str, Value]] = {}
         self.notes: list[str] = []  # said once with every result
+        self.goes_back = False  # whoever steps it may return to a state saved before
         self.folder: Path | None = None  # what relative paths of FMUs and tables start from
 
     # building
@@ -381,7 +382,7 @@ class SceneData:
 
     @property
     def rolls_back(self) -> bool:
-        """Whether running it takes states back."""
+        """Whether its macro steps take states back."""
         return self.adaptive is not None or self.algorithm == "midpoint"
 
     def copy(self, name: str | None = None) -> Self:

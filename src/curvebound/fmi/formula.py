@@ -34,7 +34,7 @@ _SIGNS: dict[type[ast.AST], str] = {
     ast.Pow: "**",
 }
 
-#: what can be drawn at any instant; the replay's scene.js knows the same
+#: what can be drawn at any instant; the pages' formula.js knows the same
 _POINTWISE: dict[str, tuple[int, Callable[..., Any]]] = {
     "+": (2, np.add),
     "-": (2, np.subtract),

@@ -34,11 +34,20 @@ class Html(str):
     """Text that is HTML already and goes into a page as it is."""
 
 
-def document(title: str, body: str, *, style: str, script: str = "", drawings: bool = False) -> str:
+def document(
+    title: str,
+    body: str,
+    *,
+    style: str,
+    script: str = "",
+    drawings: bool = False,
+    connect: Sequence[str] = (),
+) -> str:
     """A whole page.
 
     title: text, escaped here; body: HTML; style, script: what the page's own elements hold.
     drawings: whether the body holds drawings (SVG) with styles of their own.
+    connect: addresses that the script may talk to.
     The content security policy allows exactly this script and style, pictures beside the page, and
     nothing else.
     """
@@ -48,6 +57,7 @@ def document(title: str, body: str, *, style: str, script: str = "", drawings: b
             "style-src 'unsafe-inline'" if drawings else f"style-src '{_digest(style)}'",
             f"script-src '{_digest(script)}'" if script else "script-src 'none'",
             "img-src 'self' data: file:",
+            *([f"connect-src {' '.join(connect)}"] if connect else []),
             "base-uri 'none'",
             "form-action 'none'",
         )

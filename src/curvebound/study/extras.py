@@ -11,6 +11,7 @@ __all__ = ["missing", "require"]
 _NEEDED = {
     "study": ("mpmath", "scipy"),
     "plots": ("matplotlib",),
+    "live": ("websockets",),
     "sweep": ("distributed",),
     "parquet": ("pyarrow",),
 }

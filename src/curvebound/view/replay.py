@@ -20,8 +20,12 @@ __all__ = ["write_replay"]
 _SCRIPTS = (
     "data.js",
     "format.js",
+    "formula.js",
+    "ruler.js",
     "scene.js",
     "plots.js",
+    "shared.js",
+    "gestures.js",
     "player.js",
     "controls.js",
     "replay.js",

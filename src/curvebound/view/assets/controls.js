@@ -1,4 +1,39 @@
-// Keyboard, mouse and touch.
+// Buttons and keyboard.
+
+function buildControls(page) {
+  const { player } = page, scrub = get("scrub");
+  scrub.min = player.start;
+  scrub.max = player.end;
+  scrub.step = "any";
+  get("end").textContent = `/ ${page.timeText(player.end)} s`;
+  for (const speed of SPEEDS) get("speed").append(element("option", `${speed}\u00d7`, { value: speed }));
+  const on = (id, action) => get(id).addEventListener("click", action);
+  on("play", () => player.toggle());
+  on("back", () => page.step(-1));
+  on("forth", () => page.step(1));
+  on("start", () => player.seek(player.start));
+  on("loop", () => page.toggleLoop());
+  on("theme", () => page.nextTheme());
+  on("time-in", () => page.zoomTime(2));
+  on("time-out", () => page.zoomTime(0.5));
+  on("time-all", () => page.setWindow(player.start, player.end));
+  on("help-button", () => page.help());
+  scrub.addEventListener("input", () => player.seek(Number(scrub.value)));
+  get("speed").addEventListener("change", () => player.pace(Number(get("speed").value)));
+  if (page.scene) {
+    get("follow").setAttribute("aria-pressed", String(page.scene.following));
+    on("zoom-in", () => page.look(() => page.scene.zoomBy(1.4)));
+    on("zoom-out", () => page.look(() => page.scene.zoomBy(1 / 1.4)));
+    on("fit", () => page.look(() => page.scene.fit()));
+    on("follow", () => page.toggleFollow());
+    get("trail").addEventListener("change", () => page.look(() => {
+      page.scene.trail = Number(get("trail").value);
+    }));
+  }
+  document.addEventListener("keydown", (event) => pressed(page, event));
+  document.addEventListener("visibilitychange", () => player.anchor());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => page.recolour());
+}
 
 function pressed(page, event) {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
@@ -30,51 +65,4 @@ function pressed(page, event) {
   if (!action) return;
   event.preventDefault();
   action();
-}
-
-// Mouse: drag moves, ctrl and wheel zoom. Touch: two fingers move and zoom. A tap plays or pauses.
-function listenScene(page) {
-  const canvas = get("scene"), fingers = new Map();
-  let travelled = 0, most = 0;
-  const local = (event) => {
-    const box = canvas.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
-  };
-  canvas.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0) return;
-    canvas.setPointerCapture(event.pointerId);
-    if (!fingers.size) travelled = most = 0;
-    fingers.set(event.pointerId, local(event));
-    most = Math.max(most, fingers.size);
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    const before = fingers.get(event.pointerId);
-    if (!before) return;
-    const now = local(event), dx = now[0] - before[0], dy = now[1] - before[1];
-    travelled += Math.hypot(dx, dy);
-    fingers.set(event.pointerId, now);
-    if (event.pointerType === "touch" && fingers.size < 2) return;
-    const others = [...fingers].filter(([id]) => id !== event.pointerId);
-    page.look(() => {
-      if (others.length) {
-        const [x, y] = others[0][1];
-        const grown = Math.hypot(now[0] - x, now[1] - y) / Math.hypot(before[0] - x, before[1] - y);
-        if (Number.isFinite(grown) && grown > 0) page.scene.zoomBy(grown, x, y);
-      } else page.scene.panBy(dx, dy);
-    });
-  });
-  const lift = (event) => {
-    fingers.delete(event.pointerId);
-    if (event.type === "pointerup" && !fingers.size && most === 1 && travelled < 6) {
-      page.player.toggle();
-    }
-  };
-  canvas.addEventListener("pointerup", lift);
-  canvas.addEventListener("pointercancel", lift);
-  canvas.addEventListener("dblclick", () => page.look(() => page.scene.fit()));
-  canvas.addEventListener("wheel", (event) => {
-    if (!event.ctrlKey && !event.metaKey) return;
-    event.preventDefault();
-    page.look(() => page.scene.zoomBy(Math.exp(-event.deltaY / 300), ...local(event)));
-  }, { passive: false });
 }

@@ -1,46 +1,6 @@
 // The page: puts clock, drawing, plots and controls together.
 
 const SPEEDS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
-const THEMES = ["auto", "light", "dark"];
-const get = (id) => document.getElementById(id);
-
-function element(tag, text, attributes = {}) {
-  const made = document.createElement(tag);
-  if (text !== undefined) made.textContent = text;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  return made;
-}
-
-function complain(problem) {
-  const text = problem instanceof Error ? `${problem.name}: ${problem.message}` : String(problem);
-  get("trouble").textContent = `The replay cannot go on (${text}).`;
-  get("trouble").hidden = false;
-}
-
-// The colours of the theme in force, from the style sheet.
-function themeColours() {
-  const style = getComputedStyle(document.documentElement);
-  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
-  const actors = Array.from({ length: 8 }, (_, k) => colour(`result-${k}`));
-  const paper = colour("paper");
-  return {
-    paper, ink: colour("ink"), muted: colour("muted"), grid: colour("grid"), curve: colour("curve"),
-    actors, tints: actors.map((one) => mix(one, paper, 0.32)),
-    font: "12px system-ui, sans-serif",
-  };
-}
-
-// Actors whose points have no shape of their own are told apart by shape too.
-function shaped(actor) {
-  return actor.points.every(({ shape }) => !shape) ? "shaped" : "plain";
-}
-
-function mix(one, other, share) {
-  const part = (hex, k) => parseInt(hex.slice(1 + 2 * k, 3 + 2 * k), 16);
-  const blend = (k) => Math.round(part(one, k) * (1 - share) + part(other, k) * share);
-  return `rgb(${blend(0)}, ${blend(1)}, ${blend(2)})`;
-}
-
 class Page {
   constructor(model, channels) {
     this.model = model;
@@ -68,7 +28,7 @@ class Page {
     }
     this.buildReadouts();
     this.buildPlots();
-    this.buildControls();
+    buildControls(this);
     this.setTheme("auto");
     this.readHash();
     const observer = new ResizeObserver(() => this.resized());
@@ -152,6 +112,10 @@ class Page {
     while (by > 0 && k < this.frames.length - 1 && this.frames[k] <= time) k++;
     while (by < 0 && k > 0 && this.frames[k] >= time) k--;
     this.player.seek(this.frames[Math.min(Math.max(k, 0), this.frames.length - 1)]);
+  }
+
+  tapped() {
+    this.player.toggle();
   }
 
   faster(by) {
@@ -285,41 +249,6 @@ class Page {
     get("plot-area").hidden = !this.plots.length;
   }
 
-  buildControls() {
-    const { player } = this, scrub = get("scrub");
-    scrub.min = player.start;
-    scrub.max = player.end;
-    scrub.step = "any";
-    get("end").textContent = `/ ${this.timeText(player.end)} s`;
-    for (const speed of SPEEDS) get("speed").append(element("option", `${speed}\u00d7`, { value: speed }));
-    const on = (id, action) => get(id).addEventListener("click", action);
-    on("play", () => player.toggle());
-    on("back", () => this.step(-1));
-    on("forth", () => this.step(1));
-    on("start", () => player.seek(player.start));
-    on("loop", () => this.toggleLoop());
-    on("theme", () => this.nextTheme());
-    on("time-in", () => this.zoomTime(2));
-    on("time-out", () => this.zoomTime(0.5));
-    on("time-all", () => this.setWindow(player.start, player.end));
-    on("help-button", () => this.help());
-    scrub.addEventListener("input", () => player.seek(Number(scrub.value)));
-    get("speed").addEventListener("change", () => player.pace(Number(get("speed").value)));
-    if (this.scene) {
-      get("follow").setAttribute("aria-pressed", String(this.scene.following));
-      on("zoom-in", () => this.look(() => this.scene.zoomBy(1.4)));
-      on("zoom-out", () => this.look(() => this.scene.zoomBy(1 / 1.4)));
-      on("fit", () => this.look(() => this.scene.fit()));
-      on("follow", () => this.toggleFollow());
-      get("trail").addEventListener("change", () => this.look(() => {
-        this.scene.trail = Number(get("trail").value);
-      }));
-    }
-    document.addEventListener("keydown", (event) => pressed(this, event));
-    document.addEventListener("visibilitychange", () => player.anchor());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
-  }
-
   // Change the view of the scene and draw it.
   look(change) {
     change();
@@ -350,10 +279,7 @@ class Page {
 
   setTheme(theme) {
     this.theme = theme;
-    if (theme === "auto") delete document.documentElement.dataset.theme;
-    else document.documentElement.dataset.theme = theme;
-    get("theme").textContent = { auto: "Auto", light: "Light", dark: "Dark" }[theme];
-    get("theme").setAttribute("aria-label", `Theme: ${theme}`);
+    applyTheme(theme);
     this.recolour();
   }
 

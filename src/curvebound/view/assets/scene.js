@@ -3,21 +3,6 @@
 const TAU = 2 * Math.PI;
 const TRAIL_PARTS = 16, TRAIL_POINTS = 2000, CURVE_PARTS = 192;
 
-const FUNCTIONS = {
-  "+": (a, b) => a + b, "-": (a, b) => a - b, "*": (a, b) => a * b, "/": (a, b) => a / b,
-  "**": (a, b) => a ** b, negative: (a) => -a, abs: Math.abs, sqrt: Math.sqrt, sin: Math.sin,
-  cos: Math.cos, tan: Math.tan, sinh: Math.sinh, cosh: Math.cosh, tanh: Math.tanh, exp: Math.exp,
-  log: Math.log, atan2: Math.atan2, hypot: Math.hypot,
-};
-
-// A formula, [operation, operand, ...], as a function of the values of its variables by name.
-function formula(tree) {
-  if (typeof tree === "string") return (values) => values[tree];
-  if (!Array.isArray(tree)) return () => tree;
-  const apply = FUNCTIONS[tree[0]], [one, two] = tree.slice(1).map(formula);
-  return two ? (values) => apply(one(values), two(values)) : (values) => apply(one(values));
-}
-
 class Scene {
   // model: the page's description; channels: its samples; colours(): the theme's.
   constructor(canvas, model, channels, colours) {
@@ -125,11 +110,11 @@ class Scene {
     c.fillStyle = colours.paper;
     c.fillRect(0, 0, this.width, this.height);
     c.lineCap = c.lineJoin = "round";
-    this.grid(camera, colours);
+    drawGrid(c, this, camera, colours);
     this.actors.forEach((actor, i) => this.curves(camera, actor, placed[i], placed[0], colours));
     this.actors.forEach((actor, i) => this.trails(camera, actor, placed[i], t, colours));
     this.actors.forEach((actor, i) => this.bodies(camera, actor, placed[i], colours));
-    this.scaleBar(camera, colours);
+    drawScaleBar(c, this, camera, colours);
     const blank = this.actors.filter((_, i) => placed[i].blank).map((actor) => actor.label);
     if (blank.length) {
       c.fillStyle = colours.ink;
@@ -138,50 +123,6 @@ class Scene {
       c.fillText(`no position at this time: ${blank.join(", ")}`, 12, 22);
     }
     return placed;
-  }
-
-  // The length of 1, 2 or 5 times a power of ten nearest above `pixels`.
-  rule(camera, pixels) {
-    const least = pixels / camera.scale, power = 10 ** Math.floor(Math.log10(least));
-    return power * [1, 2, 5, 10].find((k) => k * power >= least * 0.999999);
-  }
-
-  grid(camera, colours) {
-    const c = this.context, step = this.rule(camera, 70);
-    const first = Math.ceil(-camera.left / camera.scale / step);
-    const last = Math.floor((this.width - camera.left) / camera.scale / step);
-    const low = Math.ceil((camera.bottom - this.height) / camera.scale / step);
-    const high = Math.floor(camera.bottom / camera.scale / step);
-    c.lineWidth = 1;
-    c.strokeStyle = colours.grid;
-    c.beginPath();
-    for (let k = first; k <= last; k++) {
-      const x = Math.round(camera.left + k * step * camera.scale) + 0.5;
-      c.moveTo(x, 0);
-      c.lineTo(x, this.height);
-    }
-    for (let k = low; k <= high; k++) {
-      const y = Math.round(camera.bottom - k * step * camera.scale) + 0.5;
-      c.moveTo(0, y);
-      c.lineTo(this.width, y);
-    }
-    c.stroke();
-  }
-
-  scaleBar(camera, colours) {
-    const c = this.context, length = this.rule(camera, 60), pixels = length * camera.scale;
-    const x = this.width - 16 - pixels, y = this.height - 16;
-    c.strokeStyle = c.fillStyle = colours.muted;
-    c.lineWidth = 1.5;
-    c.beginPath();
-    c.moveTo(x, y - 4);
-    c.lineTo(x, y);
-    c.lineTo(x + pixels, y);
-    c.lineTo(x + pixels, y - 4);
-    c.stroke();
-    c.font = colours.font;
-    c.textAlign = "center";
-    c.fillText(`${tickText(length)} m`, x + pixels / 2, y - 7);
   }
 
   // Circles and curves, and a mark on the origin of their frame.
