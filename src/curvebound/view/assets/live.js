@@ -20,7 +20,7 @@ class LivePage {
     this.beginning = true;
     get("about").textContent = model.description ? `\u2013 ${model.description}` : "";
     this.grips = new Grips(this, model.grips);
-    this.sliders = new Sliders(get("controls"), model.controls, (path, value) => this.send({ do: "set", path, value }));
+    this.ranges = new Ranges(get("controls"), model.controls, (path, value) => this.send({ do: "set", path, value }));
     this.settings = new Settings(get("settings"), model.settings, model.variants, {
       restart: (settings) => this.send({ do: "restart", settings }),
       original: () => this.send({ do: "original" }),
@@ -120,7 +120,7 @@ class LivePage {
     get("back").title = state.mark === null ? "Back to the marked state (b)" : `Back to ${state.mark.toFixed(2)} s (b)`;
     if (state.catching_up) get("pace").textContent = "catching up";
     else if (!state.playing) get("pace").textContent = "";
-    this.sliders.show(state.values);
+    this.ranges.show(state.values);
     if (!state.playing) this.announce();
     this.dirty = true;
     if (this.beginning) {

@@ -1,4 +1,4 @@
-// What can be changed: sliders at once, settings with a restart.
+// What can be changed: ranges at once, settings with a restart.
 
 let fields = 0;
 
@@ -34,8 +34,8 @@ function grouped(parent, list, build) {
   }
 }
 
-// Sliders, and a box for any value; send(path, value) is called as they move.
-class Sliders {
+// Range inputs, and a box for any value; send(path, value) is called as they move.
+class Ranges {
   constructor(parent, controls, send) {
     this.shown = new Map();
     this.waiting = new Map();
@@ -88,7 +88,7 @@ class Sliders {
     return Number((Math.round(value / grain) * grain).toPrecision(12));
   }
 
-  // One message a picture and slider is enough.
+  // One message a picture and variable is enough.
   change(path, value) {
     if (!this.waiting.size) requestAnimationFrame(() => this.flush());
     this.waiting.set(path, value);
