@@ -43,6 +43,9 @@ class ConstrainedClass(DerivedClass):
             self._jacobian(),
             self._energies(),
             self._settle(),
+            ["", "    def magnifies(self) -> float:", "        return 1.0"]
+            if self.magnified
+            else [],
             self._observed(),
         ]
         head = [

@@ -52,8 +52,10 @@ class LinearClass(DerivedClass):
         return [*head, *(line for method in methods for line in method)]
 
     def _unwound(self) -> list[str]:
-        """The angle is no angle to this model: turns stay in it."""
+        """The angle is no angle to this model: turns stay in it; its inertia is constant."""
+        constant = ["", "    def magnifies(self) -> float:", "        return 1.0"]
         return [
+            *(constant if self.magnified else []),
             "",
             f"    def place(self, {SETTINGS}) -> None:",
             "        self.scale()",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 
@@ -10,7 +9,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from .derivation import ZERO, Derivation
-from .kernel_writer import Writer
+from .kernel_sizes import INERTIAS, SizeParts
 from .names import Names
 from .source import Printer
 from .statement import Input
@@ -22,7 +21,7 @@ SETTINGS = "parameters: dict[str, float], choices: dict[str, int]"
 PLACES, VELOCITIES, FRAME, ENERGIES, FORCES, LINEAR = range(6)
 
 
-class ModelParts(Writer):
+class ModelParts(SizeParts):
     """Writes all of `class Derived(FramedModel)` but its equations."""
 
     def __init__(self, derivation: Derivation, names: Names) -> None:
@@ -73,23 +72,6 @@ class ModelParts(Writer):
             found[name] = self.d.observed(sympy.sympify(e))
         return found
 
-    @cached_property
-    def turning(self) -> list[str]:
-        """State fields of the angles whose whole turns change nothing."""
-        return [f for c, f in self.coordinates if c.is_angle and self._periodic(c)]
-
-    def _periodic(self, c: Symbol) -> bool:
-        stated = [r.position for r in self.d.raw] + [r.external for r in self.d.raw]
-        stated += [self.d.potential, *self.d.couples, *map(sympy.sympify, self.m.observed.values())]
-        rng = random.Random(1)
-        for e in stated:
-            if e.has(c):
-                point = {s: sympy.Rational(rng.randint(1, 99), 50) for s in e.free_symbols}
-                turned = {**point, c: point[c] + 2 * sympy.pi}
-                if abs(sympy.N(e.subs(turned) - e.subs(point), 30)) > 1e-20:
-                    return False
-        return True
-
     def arguments(self) -> str:
         """Arguments of acceleration(): time, coordinates, rates."""
         own = [self.names[s] for s in self.d.q] + ["_q1"] * (2 - len(self.d.q))
@@ -129,6 +111,12 @@ class ModelParts(Writer):
         ]
         lines += ["        #: whether a shape moves", "        self.reshapes: bool = False"]
         lines += ["        #: neither", "        self.plain: bool = True"]
+        if self.magnified:
+            lines += ["        # what inertias() found"]
+            lines += [f"        self.{f}: float = 0.0" for f in INERTIAS]
+            lines += ["        # 1 until the first inputs after the start have been seen"]
+            lines += ["        self.fresh: float = 0.0"]
+            lines += [f"        self.kept_{f}: float = 0.0" for f in ("magnification", "fresh")]
         if len(self.turning) > 1:
             lines += ["        self.turns1: float = 0.0", "        self.kept_turns1: float = 0.0"]
         lines += [f"        self.{s.name}: float = 0.0" for s in self.constants.values()]
@@ -174,6 +162,7 @@ class ModelParts(Writer):
         lines += ["        self.turns = 0.0", "        self.settles = False"]
         lines += ["        self.place(parameters, choices)"]
         lines += ["        self.note_initial_energy()", "        self.refresh()"]
+        lines += ["        self.fresh = 1.0"] if self.magnified else []
         lines += [
             "",
             "    def place(self, parameters: dict[str, float], choices: dict[str, int]) -> None:",
@@ -185,32 +174,7 @@ class ModelParts(Writer):
             lines.append(f"        self.settles = self.settles or self.{turns} != 0.0")
         lines += ["        self.scale()", "", "    def scale(self) -> None:"]
         lines += ['        """Natural sizes: how far until the slope of a position has turned."""']
-        lines += self._scales()
-        return lines
-
-    def _scales(self) -> list[str]:
-        lines = []
-        for k, (c, f) in enumerate(self.coordinates):
-            if c.is_angle:
-                lines.append(f"        self.{f}_scale = 1.0")
-                continue
-            slope = sympy.Add(*(r.slopes[k] ** 2 for r in self.d.raw))
-            bend = sympy.Add(*(r.slopes[k].diff(c) ** 2 for r in self.d.raw))
-            others = [
-                (g, sympy.Add(*(r.slopes[i].diff(c2) ** 2 for r in self.d.raw)))
-                for i, (c2, g) in enumerate(self.coordinates)
-                if i != k
-            ]
-            pairs = [("slope", slope), ("bend", bend)]
-            pairs += [("reach", e) for _, e in others]
-            lines += self.body(pairs)
-            lines.append(f"        self.{f}_scale = 1.0")
-            lines.append("        if bend > 0.0 and slope > 0.0:")
-            lines.append(f"            self.{f}_scale = math.sqrt(slope / bend)")
-            if others:
-                lines.append("        elif reach > 0.0 and slope > 0.0:")
-                lines.append(f"            self.{f}_scale = math.sqrt(reach / slope)")
-        return lines
+        return [*lines, *self._scales(), *self._magnifies()]
 
     def _set_inputs(self) -> list[str]:
         lines = ["", "    def set_inputs(self, values: list[float], first: int) -> None:"]
@@ -223,7 +187,11 @@ class ModelParts(Writer):
             elif name in of:
                 lines.append(f"        self.{self.names[of[name]]} = {at}")
         lines += ["        self.ex = self.gx - self.ax", "        self.ey = self.gy - self.ay"]
-        return [*lines, "        self.refresh()"]
+        lines.append("        self.refresh()")
+        if self.magnified:
+            lines += ["        if self.fresh != 0.0:", "            self.fresh = 0.0"]
+            lines += ["            self.magnification = self.magnifies()"]
+        return lines
 
     def _refresh(self) -> list[str]:
         lines = ["", "    def refresh(self) -> None:"]
@@ -290,6 +258,7 @@ class ModelParts(Writer):
     def _saved(self) -> list[str]:
         more = [self.names[s] for x in self.shapes for s in (x, x.rate)]
         more += ["turns1"] if len(self.turning) > 1 else []
+        more += ["magnification", "fresh"] if self.magnified else []
         lines = ["", "    def set_state(self, state: list[float]) -> None:"]
         lines.append("        super().set_state(state)")
         lines += [f"        self.{n} = state[{12 + i}]" for i, n in enumerate(more)]

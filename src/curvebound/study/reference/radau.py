@@ -198,7 +198,8 @@ def _inverse(
     And sizes of the slopes of the accelerations there, shape (2, 2, 2, s).
     """
     s = len(times)
-    slopes = slopes_of(times, q, v)
+    # where one has none (a root at rest) the residual still decides
+    slopes = np.nan_to_num(slopes_of(times, q, v), nan=0.0, posinf=0.0, neginf=0.0)
     # blocks of (s, s) by acceleration and coordinate
     of_q, of_v = h * h * slopes[0], h * slopes[1]
     twice, integral = tables.twice.astype(float), tables.integral.astype(float)

@@ -77,8 +77,10 @@ class _Clock:
     def __init__(self, motion: Motion, count: float) -> None:
         self._motion = motion
         self._count = count
+        start = np.array(motion.start)[:, None]
+        rate = float(motion.rates(np.zeros(1), start[:2], start[2:])[0])
         #: s, half a characteristic time at the last look
-        self.pace = math.inf
+        self.pace = 0.5 / rate if rate > 0.0 else math.inf
         self._done = 0.0
         self._time = 0.0
 
