@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 from .base import Model
-from .method import DONE, TOO_MANY_STEPS, Method
+from .fixed_step import FixedStep
 
 __all__ = ["ExplicitEuler"]
 
 
-class ExplicitEuler(Method):
+class ExplicitEuler(FixedStep):
     """One evaluation per step, order 1: the baseline, energy grows on every oscillation."""
 
     ORDER = 1
 
-    def advance(
-        self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
-    ) -> int:
-        h = duration / count
-        if count > max_steps:
-            self.reached = h
-            return TOO_MANY_STEPS
+    def make(self, model: Model, h: float, count: int) -> None:
         works = model.works
         settles = model.settles
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
@@ -39,6 +33,3 @@ class ExplicitEuler(Method):
                 model.settle(h)
                 q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         model.q0, model.q1, model.v0, model.v1 = q0, q1, v0, v1
-        self.steps += count
-        self.evaluations += count
-        return DONE

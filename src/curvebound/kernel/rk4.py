@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .base import Model
-from .method import DONE, TOO_MANY_STEPS, Method
+from .fixed_step import FixedStep
 
 __all__ = ["RK4"]
 
@@ -59,19 +59,14 @@ def steps(model: Model, h: float, count: int) -> None:
     model.q0, model.q1, model.v0, model.v1 = q0, q1, v0, v1
 
 
-class RK4(Method):
+class RK4(FixedStep):
     """Four evaluations per step, order 4, explicit."""
 
     ORDER = 4
 
-    def advance(
-        self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
-    ) -> int:
-        h = duration / count
-        if count > max_steps:
-            self.reached = h
-            return TOO_MANY_STEPS
+    def __init__(self) -> None:
+        super().__init__()
+        self.each = 4
+
+    def make(self, model: Model, h: float, count: int) -> None:
         steps(model, h, count)
-        self.steps += count
-        self.evaluations += 4 * count
-        return DONE
