@@ -10,11 +10,6 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-
-# test modules are imported without packages (importmode=importlib); their helpers live here
-sys.path.insert(0, str(Path(__file__).parent / "fmi"))
-sys.path.insert(0, str(Path(__file__).parent))  # benchmarks
-
 from harness import Extracted, Instance
 
 from curvebound.fmi.build import build

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from measured.groups import GROUPS, PICTURES, SPEED
 from measured.text import BLOCKS, DOCUMENTS, block, blocks_in
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
@@ -11,7 +10,6 @@ from pythonfmu import FmuBuilder
 from curvebound.cosim import Scene
 
 SOURCES = Path(__file__).parent / "fmus"
-sys.path.insert(0, str(Path(__file__).parent))  # the tests' helpers
 
 
 def _build(name: str, folder: Path, **options: object) -> Path:

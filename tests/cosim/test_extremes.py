@@ -9,7 +9,7 @@ import pytest
 from amplification import jacobi_radius, masses, radius, sampled
 
 from curvebound.cosim import RunFailed, Scene, load_scene
-from curvebound.cosim.scene_data import ALGORITHMS
+from curvebound.cosim.scene_parts import ALGORITHMS
 
 STARTS = ("one.x_start", "one.v_start", "two.x_start", "two.v_start")
 STATE = ("one.x", "one.v", "two.x", "two.v")

@@ -10,7 +10,7 @@ import pytest
 from curvebound.cosim import Adaptive, RunFailed, Scene, read_csv
 from curvebound.cosim.command import main
 from curvebound.cosim.instance import Instance, Library
-from curvebound.cosim.scene_data import ALGORITHMS
+from curvebound.cosim.scene_parts import ALGORITHMS
 
 #: explicit Euler at a hundred times its stable step, so that the state leaves the finite numbers
 FAILING = {

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
 
 # test modules are imported without packages (importmode=importlib); their helpers live here
-sys.path.insert(0, str(Path(__file__).parent))
-
 from browsing import Browser, Tab
 
 

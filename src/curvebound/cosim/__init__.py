@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from .prepared import Prepared
     from .results import Result, RunFailed, RunInterrupted, read_csv, write_csv
     from .scene import Scene
-    from .scene_data import Adaptive, Needs
+    from .scene_parts import Adaptive, Needs
 
 __all__ = [
     "Adaptive",
@@ -31,7 +31,7 @@ _HOME = {
     "prepared": ("Prepared",),
     "results": ("Result", "RunFailed", "RunInterrupted", "read_csv", "write_csv"),
     "scene": ("Scene",),
-    "scene_data": ("Adaptive", "Needs"),
+    "scene_parts": ("Adaptive", "Needs"),
 }
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from ..arguments import seconds, setting
-from .scene_data import ALGORITHMS, Adaptive, SceneData
+from .scene_data import SceneData
+from .scene_parts import ALGORITHMS, Adaptive
 
 __all__ = ["changed", "chosen", "configure", "configure_changes"]
 

@@ -11,7 +11,8 @@ from ..errors import CurveboundError, OutsideError
 from .capabilities import lacking, located, stops
 from .fmu import Fmu, Value, Variable, nearest, read_fmu
 from .ordering import Ordering
-from .scene_data import ALGORITHMS, Component, SceneData
+from .scene_data import SceneData
+from .scene_parts import ALGORITHMS, Component
 from .signals import Signal, signal
 from .system import Link, Node, Port, System
 from .system import path_of as _path

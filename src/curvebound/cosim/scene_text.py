@@ -8,7 +8,8 @@ from typing import Any
 
 from ..errors import CurveboundError
 from ..fmi.folder import find, names
-from .scene_data import Component, Needs, SceneData
+from .scene_data import SceneData
+from .scene_parts import Component, Needs
 
 __all__ = ["scene_text"]
 

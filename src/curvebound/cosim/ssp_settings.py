@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from .scene_data import Adaptive, Needs
+from .scene_parts import Adaptive, Needs
 
 __all__ = ["read_settings"]
 

@@ -46,7 +46,7 @@ def tolerances(quick: bool) -> list[float]:
 
 def algorithms(scene: Scene) -> list[str]:
     """The algorithms under which the scene holds together, its own first, but for rollback."""
-    from ..cosim.scene_data import ALGORITHMS
+    from ..cosim.scene_parts import ALGORITHMS
     from ..errors import CurveboundError
 
     if len(scene.components) == 1:

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
 
 from curvebound.cosim import load_scene
 from curvebound.cosim.instance import Instance
 from curvebound.view.live.plan import Plan
-
-# helpers live here; those of the pages beside
-sys.path.insert(0, str(Path(__file__).parent))
 
 
 @pytest.fixture(scope="session")

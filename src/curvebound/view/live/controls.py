@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...cosim.fmu import Value, Variable
-from ...cosim.scene_data import ALGORITHMS
+from ...cosim.scene_parts import ALGORITHMS
 from ...cosim.system import Node, Port, System, path_of
 from ...fmi.drawing import FRAME
 
