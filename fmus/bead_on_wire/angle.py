@@ -37,8 +37,6 @@ class BeadAngle(BeadBase):
         super().refresh()
         self.ux = self.ex / self.r
         self.uy = self.ey / self.r
-        # at rest across the field its two parts cancel
-        self.load = math.fabs(self.ux) + math.fabs(self.uy)
 
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         a0 = self.uy * math.sin(q0)

@@ -150,8 +150,6 @@ class ParabolaBase(FramedModel):
         self.v1 = parameters["pendulum.angular_velocity_start"]
         self.q0_scale = self.r
         self.q1_scale = 1.0
-        # a light slider or a short rod is right for itself too
-        self.coupling = 1e-6
         self.sway = -self.gx
         self.lift = -self.gy
         self.place()

@@ -68,12 +68,17 @@ def test_the_linear_model_is_beyond_its_range_at_three_tenths() -> None:
 
 
 def test_rounding_is_told_with_a_tolerance_that_is_not_told_again() -> None:
-    """Half an ulp of 1, magnified: above 1e4 times the tolerance it is said."""
     watch = Watch()
-    limit = 1e4 * 1e-8 / 2.0**-53
+    limit = 1e-8
     assert watch.rounding(0.99 * limit, 1e-8, "solver.tolerance", "", 1.0) == ""
     message = watch.rounding(1.01 * limit, 1e-8, "solver.tolerance", "choose less; ", 1.0)
     assert "choose less; raise solver.tolerance to 2e-08" in message
     assert watch.rounding(9.0 * limit, 1e-8, "solver.tolerance", "", 1.0) == ""
     enough = float(re.findall(r"to (\S+)$", message)[0])
     assert Watch().rounding(1.01 * limit, enough, "solver.tolerance", "", 1.0) == ""
+
+
+def test_where_rounding_decides_no_tolerance_is_advised() -> None:
+    message = Watch().rounding(0.3, 1e-8, "solver.tolerance", "", 1.0)
+    assert "start farther from" in message
+    assert "raise" not in message

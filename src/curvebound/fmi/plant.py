@@ -22,6 +22,9 @@ from .watch import ENERGY_FRACTION
 
 __all__ = ["Plant", "PlantEngine"]
 
+#: steps that may be advised, and how many more than seem needed
+_MANY: Final = 1e9
+_AMPLE: Final = 1.5
 _EXACT: Final = METHODS.index("exact") + 1
 #: of an error until the end of a run whose stop time the importer does not tell
 _UNKNOWN_GROWTH: Final = 3.0
@@ -183,7 +186,7 @@ class PlantEngine(Engine):
         if self.remembers and self.method.CHOOSES_STEP and not watch.said_rounding:
             model = self.model
             said = watch.rounding(
-                model.magnification,
+                self.method.doubt(),
                 self.relative,
                 self.tolerance_name(),
                 model.remedy("rounding"),
@@ -261,10 +264,13 @@ class PlantEngine(Engine):
         where = f" at time {self.time!r} s in a communication step of {duration!r} s"
         if failure == TOO_MANY_STEPS:
             size = self.tolerance_name() if self.method.CHOOSES_STEP else "solver.step"
+            passed = self.method.passed if self.method.CHOOSES_STEP else reached * self.max_steps
+            needed = self.max_steps * duration / passed if passed > 0.0 else math.inf
+            more = f" (to {_AMPLE * needed:.0e})" if needed < _MANY else ""
             return (
-                f"solver.max_steps = {self.max_steps} internal steps do not reach the end{where}; "
-                f"the step size reached is {reached!r} s: raise solver.max_steps or {size}, or "
-                "shorten the communication step"
+                f"solver.max_steps = {self.max_steps} internal steps do not reach the end{where}, "
+                f"but {passed:.3g} s of it; the step size reached is {reached!r} s: "
+                f"raise solver.max_steps{more} or {size}, or shorten the communication step"
             )
         if failure == STEP_TOO_SMALL:
             return (

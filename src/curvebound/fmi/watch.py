@@ -19,14 +19,13 @@ ENERGY_FRACTION: Final = 1e-2
 DRIFT_FRACTION: Final = 1e-3
 #: model.acceleration_error above this
 ACCELERATION_ERROR: Final = 0.3
-#: magnification of errors by the motion, times that of a rounding, above this times the tolerance;
-#: the magnification is a bound that few motions come near
-ROUNDING: Final = 1e4
 UNIT_ROUNDOFF: Final = 1.1102230246251565e-16
 #: what the suggested step aims at, as a fraction of the bound
 _AIM: Final = 0.3
 #: what keeps a bound, rounded to one digit, above what it has to exceed
 _GENEROUS: Final = 1.5
+#: share of the motion in doubt from which no tolerance can be kept
+_HOPELESS: Final = 0.01
 #: internal steps between looks: a part of those made so far, and at most so many
 _GROWTH: Final = 4
 LONGEST_PAUSE: Final = 512
@@ -105,15 +104,19 @@ class Watch:
         )
 
     def rounding(
-        self, magnification: float, tolerance: float, setting: str, remedy: str, time: float
+        self, doubt: float, tolerance: float, setting: str, remedy: str, time: float
     ) -> str:
-        """The warning that no step size can keep to `tolerance`, which `setting` gives, or ''."""
-        grown = UNIT_ROUNDOFF * magnification
-        if self.said_rounding or not grown > ROUNDING * tolerance:
+        """The warning that no step size can keep to `tolerance`, which `setting` gives, or ''.
+
+        doubt: the relative error that rounding can have made.
+        """
+        if self.said_rounding or not doubt > tolerance:
             return ""
         self.said_rounding = True
-        return (
-            f"at time {time:.6g} s the motion can magnify errors {magnification:.1g} times: "
+        told = (
+            f"the motion up to time {time:.6g} s magnifies roundings to {doubt:.1g} of it: "
             f"rounding alone may exceed {setting} = {tolerance:g}; {remedy}"
-            f"raise {setting} to {_GENEROUS * grown / ROUNDING:.0e}"
         )
+        if doubt > _HOPELESS:
+            return f"{told}start farther from where the motion is unstable: no tolerance helps"
+        return f"{told}raise {setting} to {_GENEROUS * doubt:.0e}"

@@ -23,6 +23,8 @@ __all__ = ["Adaptive"]
 PRESENT: Final = 0.064
 LAST: Final = 0.0285
 SAFETY: Final = 0.82
+#: how far a rate changes in a step of ordinary motion
+CALM: Final = 2.0
 #: bounds of the ratio of one step size to the next
 MOST_GROWTH: Final = 1.5
 MOST_SHRINKING: Final = 0.2
@@ -37,7 +39,7 @@ RESOLUTION: Final = 1e-22
 SHORT: Final = 1e-14
 #: steps after which one in REJECTS rejected is a reason to try stiff ones; then twice as many
 FIRST_TRIAL: Final = 60
-REJECTS: Final = 8
+REJECTS: Final = 4
 #: steps after which rest up to rounding is a reason; then half as many again
 FIRST_CALM: Final = 8
 #: one step less than those after which rounding is looked at, for it may be all that limits them
@@ -48,10 +50,10 @@ LARGEST: Final = 1e300
 class Adaptive(Method):
     """Seven evaluations per sweep, usually two to four sweeps per step, order 14.
 
-    The tolerance is relative to the rates: each coordinate's own, and that of the other as far as
-    the model's coupling says. A motion that starts from rest, or rests, thus needs no absolute
-    tolerance. Where the model says that errors grow (magnification), a step may make as much less.
-    The error over ten oscillations is of the size of the tolerance.
+    The tolerance is relative to the rates, each coordinate's own. A motion that starts from rest,
+    or rests, thus needs no absolute tolerance. Where something fast has happened, slow steps may
+    make as much less, for their errors of time count there. The error over ten oscillations is of
+    the size of the tolerance, or of what rounding makes of it.
     """
 
     ORDER = 14
@@ -106,8 +108,8 @@ class Adaptive(Method):
 
     def set_state(self, state: list[float]) -> None:
         self.wished, self.log_error, self.stiff.wished = state[:3]
-        self.rounding.set_state(state[3:7])
-        self.collocation.set_state(state[7:])
+        self.rounding.set_state(state[3:11])
+        self.collocation.set_state(state[11:])
 
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
@@ -119,9 +121,15 @@ class Adaptive(Method):
         self.evaluations += 7 * self.collocation.sweeps
         self.evaluations += self.stiff.evaluations + self.rounding.evaluations
         self.steps += self.stiff.steps
-        if outcome != DONE:
+        if outcome == DONE:
+            self.rounding.time += duration
+        else:
+            self.passed = self.elapsed.t
             self.undo()
         return outcome
+
+    def doubt(self) -> float:
+        return self.rounding.doubt
 
     def reach(self, model: Model, duration: float, tolerance: float, max_steps: int) -> int:
         """The steps of advance()."""
@@ -129,7 +137,7 @@ class Adaptive(Method):
         rounding = self.rounding
         rounding.begin()
         settles = model.settles
-        share = max(SHARE * tolerance / model.magnification, LEAST_SHARE)
+        share = max(SHARE * tolerance, LEAST_SHARE)
         least = duration * SHORT
         model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
         a0 = model.a0
@@ -139,6 +147,7 @@ class Adaptive(Method):
             self.reached = self.wished
             return NOT_FINITE
         rounding.follow(model, a0, a1)
+        pace = rounding.pace() / CALM
         if self.wished <= 0.0:
             self.wished = first_step(model, a0, a1, duration, share)
         elapsed = self.elapsed
@@ -194,8 +203,10 @@ class Adaptive(Method):
                 h = remaining
             elif 2.0 * h > remaining:
                 h = 0.5 * remaining
+            # an error of time made here counts by what is fastest
+            allowed = max(share / max(1.0, pace * h), LEAST_SHARE)
             try:
-                error = collocation.step(model, rounding, t, h, a0, a1, share) / share
+                error = collocation.step(model, rounding, t, h, a0, a1, allowed) / allowed
             except (ArithmeticError, ValueError):
                 # a stage left the model's domain or the finite numbers: far too large a step
                 error = math.inf
@@ -209,9 +220,13 @@ class Adaptive(Method):
                     self.wished = min(max(wish, MOST_SHRINKING * h), most)
                     self.log_error = log_error
                 rejected = False
+                if collocation.noisy:
+                    rounding.note_noise(model, t, h)
                 if settles:
                     model.settle(h)
                 rounding.follow(model, collocation.a7, collocation.b7)
+                rounding.note_time(t + h, collocation.a7, collocation.b7)
+                pace = rounding.pace() / CALM
                 if ends:
                     return DONE
                 elapsed.add(h)

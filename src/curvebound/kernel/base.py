@@ -60,15 +60,11 @@ class Model:
         #: J, result of balance(): energy less `work`, and the size of its parts
         self.balance_energy: float = 0.0
         self.balance_size: float = 1.0
-        #: natural magnitudes of q0 and q1, for error norms
+        #: natural magnitudes of q0 and q1, for warnings
         self.q0_scale: float = 1.0
         self.q1_scale: float = 1.0
-        #: part of one coordinate's rate, in its scale, below which the other's counts as rest: less
-        #: than 1 where each has to be right for itself
-        self.coupling: float = 1.0
-        #: size, in units of q0'', of what can cancel in the accelerations to rounding
-        self.load: float = 0.0
-        #: by how much the motion can magnify errors before anything of it shows; for tolerances
+        #: by how much the motion can magnify errors before anything of it shows: from a hundred on
+        #: `implicit` holds it closer to its balance of energy
         self.magnification: float = 1.0
         #: whether power() can differ from zero with the present parameters, inputs and frame motion
         self.works: bool = False

@@ -251,7 +251,7 @@ class Collocation:
         known = self.noisy
         noise0 = noise1 = 0.0
         if known:
-            rounding.look_closely(model, t, a0, b0)
+            rounding.look_closely(model, t)
             noise0 = rounding.noise0
             noise1 = rounding.noise1
         contraction = self.contraction
@@ -363,9 +363,9 @@ class Collocation:
             if scale0 == 0.0:
                 # sizes of the rates, each coordinate for itself
                 scale0 = max(math.fabs(v0), math.fabs(u7)) + h * max(math.fabs(a0), math.fabs(a7))
-                scale0 = 1.0 / max(scale0, NEGLIGIBLE * rounding.size0 / h, TINY)
+                scale0 = 1.0 / max(scale0, NEGLIGIBLE * rounding.size0 / h + TINY)
                 scale1 = max(math.fabs(v1), math.fabs(w7)) + h * max(math.fabs(b0), math.fabs(b7))
-                scale1 = 1.0 / max(scale1, NEGLIGIBLE * rounding.size1 / h, TINY)
+                scale1 = 1.0 / max(scale1, NEGLIGIBLE * rounding.size1 / h + TINY)
             before = change
             change = max(math.fabs(u7 - last0) * scale0, math.fabs(w7 - last1) * scale1)
             left = change * max(contraction, PRESUMED)
@@ -382,7 +382,7 @@ class Collocation:
                 if sweep > 1 and contraction > SLOWEST:
                     if not known:
                         known = True
-                        rounding.estimate(model, t, a0, b0)
+                        rounding.estimate(model, t)
                         noise0 = rounding.noise0
                         noise1 = rounding.noise1
                     if not change <= h * (noise0 * scale0 + noise1 * scale1):
@@ -399,7 +399,7 @@ class Collocation:
                     return error
                 known = True
                 # less what is rounding, which shorter steps have too
-                rounding.estimate(model, t, a0, b0)
+                rounding.estimate(model, t)
                 noise0 = rounding.noise0
                 noise1 = rounding.noise1
                 error = h * tail(a0, a1, a2, a3, a4, a5, a6, a7, noise0) * scale0

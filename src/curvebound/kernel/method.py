@@ -48,6 +48,8 @@ class Method:
         self.steps: int = 0
         self.evaluations: int = 0
         self.reached: float = 0.0
+        #: s of the communication step that were made before a failure, where the method knows
+        self.passed: float = 0.0
 
     def reset(self) -> None:
         """Forget everything: before a first step."""
@@ -67,6 +69,13 @@ class Method:
         OverflowError of the model pass: they mean NOT_FINITE, and the caller calls undo().
         """
         raise NotImplementedError
+
+    def doubt(self) -> float:
+        """The largest error, relative to the rates, that rounding can have made so far; 0: unknown.
+
+        For methods that keep to a tolerance, which is not kept where this exceeds it.
+        """
+        return 0.0
 
     def get_state(self) -> list[float]:
         """What the method carries from step to step, counters excepted."""

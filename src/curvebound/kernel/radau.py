@@ -77,8 +77,10 @@ class Radau:
         w0 = self.w0
         w1 = self.w1
         # sizes of the rates: what they are or become
-        s0 = max(math.fabs(v0), math.fabs(w0[STAGES - 1]), NEGLIGIBLE * rounding.size0 / h, TINY)
-        s1 = max(math.fabs(v1), math.fabs(w1[STAGES - 1]), NEGLIGIBLE * rounding.size1 / h, TINY)
+        s0 = max(math.fabs(v0), math.fabs(w0[STAGES - 1]))
+        s0 = max(s0, NEGLIGIBLE * rounding.size0 / h + TINY)
+        s1 = max(math.fabs(v1), math.fabs(w1[STAGES - 1]))
+        s1 = max(s1, NEGLIGIBLE * rounding.size1 / h + TINY)
         high0 = next0 = high1 = next1 = 0.0
         for i in range(STAGES):
             high0 += HIGHEST[i] * a[i]
@@ -179,7 +181,7 @@ class Radau:
             if size > 0.5 * least:
                 stalls += 1
                 if stalls >= 2:
-                    self.look(model, rounding, t)
+                    rounding.look(model, t)
                     self.round_off(rounding)
                     if size <= NOISE or (left0 <= self.noise0 and left1 <= self.noise1):
                         break
@@ -195,14 +197,6 @@ class Radau:
         self.round_off(rounding)
         return True
 
-    def look(self, model: Model, rounding: Rounding, t: float) -> None:
-        """Look closely at rounding where the step begins."""
-        model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
-        a0 = model.a0
-        a1 = model.a1
-        self.evaluations += 1
-        rounding.look(model, t, a0, a1)
-
     def round_off(self, rounding: Rounding) -> None:
         """Find what rounding makes of the accelerations of the present stages."""
         x0 = rounding.size0
@@ -216,8 +210,9 @@ class Radau:
         s = self.slopes
         noise0 = (s[0] * x0 + s[1] * x1) + (s[2] * w0 + s[3] * w1)
         noise1 = (s[4] * x0 + s[5] * x1) + (s[6] * w0 + s[7] * w1)
-        self.noise0 = max(SPREAD * EPSILON * noise0, rounding.scatter0)
-        self.noise1 = max(SPREAD * EPSILON * noise1, rounding.scatter1)
+        # at twice as many points as those at which it was looked at, or more
+        self.noise0 = max(SPREAD * EPSILON * noise0, 2.0 * rounding.scatter0)
+        self.noise1 = max(SPREAD * EPSILON * noise1, 2.0 * rounding.scatter1)
 
     def factorise(self, model: Model, t: float, h: float, unit0: float, unit1: float) -> bool:
         """The Newton matrix I - h^2 B dK/dq - h A dK/dv, in the units, and its triangles."""

@@ -17,8 +17,15 @@ __all__ = ["NEGLIGIBLE", "Rounding"]
 EPSILON: Final = 2.220446049250313e-16
 #: a rate that moves its coordinate by less than this part of its size counts as none
 NEGLIGIBLE: Final = 1e-30
+#: growth below this part of the slopes is rounding
+FLAT: Final = 1e-6
+#: share of rounding in the rates from which there is nothing else in them
+TREMBLING: Final = 1e-3
+TINY: Final = 1e-300
+#: relative distance of states that are compared
+AWAY: Final = 1e-11
 #: accelerations that are compared
-PROBES: Final = 4
+PROBES: Final = 3
 #: how far others may scatter beyond those
 TIMES: Final = 4.0
 #: four units in the last place: so far the values at the points of a step scatter
@@ -40,28 +47,47 @@ class Rounding:
         self.scatter1: float = 0.0
         #: of the equations of motion, for the caller to count
         self.evaluations: int = 0
-        #: largest coordinates and accelerations so far
+        #: largest coordinates, accelerations and rates so far
         self.size0: float = 0.0
         self.size1: float = 0.0
         self.most0: float = 0.0
         self.most1: float = 0.0
+        self.fast0: float = 0.0
+        self.fast1: float = 0.0
+        #: s, time since the start
+        self.time: float = 0.0
+        #: the largest error, relative to the rates, that rounding can have made so far
+        self.doubt: float = 0.0
 
     def forget(self) -> None:
         """Before a first step."""
-        self.size0 = self.size1 = self.most0 = self.most1 = 0.0
+        self.size0 = self.size1 = self.most0 = self.most1 = self.fast0 = self.fast1 = 0.0
+        self.time = self.doubt = 0.0
 
     def take(self, other: Rounding) -> None:
         """Remember the sizes that `other` does."""
         self.size0, self.size1 = other.size0, other.size1
         self.most0, self.most1 = other.most0, other.most1
+        self.fast0, self.fast1 = other.fast0, other.fast1
+        self.time, self.doubt = other.time, other.doubt
 
     def get_state(self) -> list[float]:
         """What is remembered from one communication step to the next."""
-        return [self.size0, self.size1, self.most0, self.most1]
+        return [
+            self.size0,
+            self.size1,
+            self.most0,
+            self.most1,
+            self.fast0,
+            self.fast1,
+            self.time,
+            self.doubt,
+        ]
 
     def set_state(self, state: list[float]) -> None:
         """Return to what get_state() gave."""
-        self.size0, self.size1, self.most0, self.most1 = state
+        self.size0, self.size1, self.most0, self.most1 = state[:4]
+        self.fast0, self.fast1, self.time, self.doubt = state[4:]
 
     def begin(self) -> None:
         """Forget scatter and count: before a communication step."""
@@ -70,18 +96,68 @@ class Rounding:
         self.evaluations = 0
 
     def follow(self, model: Model, a0: float, a1: float) -> None:
-        """Take in the present coordinates, and their accelerations."""
-        self.size0 = max(self.size0, math.fabs(model.q0))
-        self.size1 = max(self.size1, math.fabs(model.q1))
-        self.most0 = max(self.most0, math.fabs(a0))
-        self.most1 = max(self.most1, math.fabs(a1))
+        """Take in the present state, and its accelerations."""
+        x = math.fabs(model.q0)
+        if x > self.size0:
+            self.size0 = x
+        x = math.fabs(model.q1)
+        if x > self.size1:
+            self.size1 = x
+        x = math.fabs(model.v0)
+        if x > self.fast0:
+            self.fast0 = x
+        x = math.fabs(model.v1)
+        if x > self.fast1:
+            self.fast1 = x
+        x = math.fabs(a0)
+        if x > self.most0:
+            self.most0 = x
+        x = math.fabs(a1)
+        if x > self.most1:
+            self.most1 = x
+
+    def pace(self) -> float:
+        """The fastest change of a rate so far, 1/s: by it an error of time counts there."""
+        pace0 = self.most0 / self.fast0 if self.fast0 > 0.0 else 0.0
+        pace1 = self.most1 / self.fast1 if self.fast1 > 0.0 else 0.0
+        return max(pace0, pace1)
+
+    def note_time(self, t: float, a0: float, a1: float) -> None:
+        """Note what a rounding of the time, t s into the communication step, counts there."""
+        late = 0.5 * EPSILON * (self.time + t)
+        if late * math.fabs(a0) > self.doubt * self.fast0:
+            self.doubt = late * math.fabs(a0) / max(self.fast0, late * math.fabs(a0))
+        if late * math.fabs(a1) > self.doubt * self.fast1:
+            self.doubt = late * math.fabs(a1) / max(self.fast1, late * math.fabs(a1))
+
+    def note_noise(self, model: Model, t: float, h: float) -> None:
+        """Note what the rounding of a step of h s counts beside the rates so far."""
+        try:
+            model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
+        except (ArithmeticError, ValueError, NotImplementedError):
+            return
+        half = 0.5 * (model.a0_q0 + model.a1_q1)
+        product = model.a0_q0 * model.a1_q1 - model.a0_q1 * model.a1_q0
+        growth = half + math.sqrt(max(0.0, half * half - product))
+        part0 = h * self.noise0 / (max(self.fast0, h * self.noise0) + TINY)
+        part1 = h * self.noise1 / (max(self.fast1, h * self.noise1) + TINY)
+        if growth <= FLAT * (math.fabs(model.a0_q0) + math.fabs(model.a1_q1)):
+            # a rest that has moved by nothing but rounding is one, and so is a coordinate that
+            # hardly moves beside the other
+            pace0 = self.fast0 * self.size1
+            pace1 = self.fast1 * self.size0
+            if part0 >= TREMBLING or pace0 < FLAT * pace1:
+                part0 = 0.0
+            if part1 >= TREMBLING or pace1 < FLAT * pace0:
+                part1 = 0.0
+        self.doubt = max(self.doubt, max(part0, part1))
 
     def hides(self, a0: float, a1: float) -> bool:
         """Whether accelerations are rounding, by what was found last."""
         return math.fabs(a0) <= self.noise0 and math.fabs(a1) <= self.noise1
 
-    def estimate(self, model: Model, t: float, a0: float, a1: float) -> None:
-        """Find what the rounding of the present state makes of its accelerations (a0, a1).
+    def estimate(self, model: Model, t: float) -> None:
+        """Find what the rounding of the present state makes of its accelerations.
 
         By the slopes, and the scatter seen before. A model without Jacobian is looked at closely.
         """
@@ -90,7 +166,7 @@ class Rounding:
         try:
             model.jacobian(t, model.q0, model.q1, model.v0, model.v1)
         except (ArithmeticError, ValueError, NotImplementedError):
-            self.look(model, t, a0, a1)
+            self.look(model, t)
             self.noise0 = self.scatter0
             self.noise1 = self.scatter1
             return
@@ -103,28 +179,52 @@ class Rounding:
         self.noise0 = max(SPREAD * noise0, self.scatter0)
         self.noise1 = max(SPREAD * noise1, self.scatter1)
 
-    def look_closely(self, model: Model, t: float, a0: float, a1: float) -> None:
+    def look_closely(self, model: Model, t: float) -> None:
         """Find it also from how the accelerations scatter between states that are all but equal.
 
         That shows what cancels within them, too, and so do accelerations that were larger.
         """
-        self.look(model, t, a0, a1)
-        self.estimate(model, t, a0, a1)
+        self.look(model, t)
+        self.estimate(model, t)
 
-    def look(self, model: Model, t: float, a0: float, a1: float) -> None:
+    def look(self, model: Model, t: float) -> None:
         """Include the scatter, and half of what was seen of it before, for a few values err."""
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         self.scatter0 = max(0.5 * self.scatter0, SPREAD * self.most0)
         self.scatter1 = max(0.5 * self.scatter1, SPREAD * self.most1)
         try:
+            # far enough for all digits to differ, less what is slope
+            model.jacobian(t, q0, q1, v0, v1)
+            j00, j01, j10, j11 = model.a0_q0, model.a0_q1, model.a1_q0, model.a1_q1
+            k00, k01, k10, k11 = model.a0_v0, model.a0_v1, model.a1_v0, model.a1_v1
+            step = AWAY
+        except NotImplementedError:
+            j00 = j01 = j10 = j11 = k00 = k01 = k10 = k11 = 0.0
+            step = EPSILON
+        except (ArithmeticError, ValueError):
+            return
+        try:
+            # not those that a step ended with: they are as good as its sweeps have converged
+            model.acceleration(t, q0, q1, v0, v1)
+            a0 = model.a0
+            a1 = model.a1
+            self.evaluations += 1
             for k in range(1, PROBES + 1):
-                near = 1.0 + k * EPSILON
-                far = 1.0 - (PROBES + k) * EPSILON
-                model.acceleration(t, q0 * near, q1 * far, v0 * far, v1 * near)
-                b0 = model.a0
-                b1 = model.a1
-                self.scatter0 = max(self.scatter0, TIMES * math.fabs(b0 - a0))
-                self.scatter1 = max(self.scatter1, TIMES * math.fabs(b1 - a1))
+                near = 1.0 + k * step
+                far = 1.0 - (PROBES + k) * step
+                x0 = q0 * near
+                x1 = q1 * far
+                w0 = v0 * far
+                w1 = v1 * near
+                model.acceleration(t, x0, x1, w0, w1)
+                x0 -= q0
+                x1 -= q1
+                w0 -= v0
+                w1 -= v1
+                b0 = model.a0 - (a0 + ((j00 * x0 + j01 * x1) + (k00 * w0 + k01 * w1)))
+                b1 = model.a1 - (a1 + ((j10 * x0 + j11 * x1) + (k10 * w0 + k11 * w1)))
+                self.scatter0 = max(self.scatter0, TIMES * math.fabs(b0))
+                self.scatter1 = max(self.scatter1, TIMES * math.fabs(b1))
                 self.evaluations += 1
         except (ArithmeticError, ValueError):
             return

@@ -92,7 +92,7 @@ class Stiff:
             radau.evaluations = 0
             try:
                 if rejected > 0:
-                    radau.look(model, rounding, elapsed.t)
+                    rounding.look(model, elapsed.t)
                 size = radau.step(model, rounding, elapsed.t, h, bound)
             except (ArithmeticError, ValueError, NotImplementedError):
                 size = math.inf
@@ -153,7 +153,7 @@ def is_stiff(model: Model, rounding: Rounding, t: float, h: float, a0: float, a1
     except (ArithmeticError, ValueError, NotImplementedError):
         return False
     damping = -(model.a0_v0 + model.a1_v1)
-    rounding.look_closely(model, t, a0, a1)
+    rounding.look_closely(model, t)
     still = NEGLIGIBLE * damping * damping
     change0 = math.fabs(a0) - max(rounding.noise0, still * rounding.size0)
     change1 = math.fabs(a1) - max(rounding.noise1, still * rounding.size1)

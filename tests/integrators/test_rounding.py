@@ -1,0 +1,148 @@
+"""What rounding makes of the accelerations: rests it can just resolve, and what is said of it."""
+
+from __future__ import annotations
+
+import math
+import random
+from typing import Any
+
+import pytest
+
+from curvebound.bench.ours import interpreted_kernel
+from curvebound.kernel.adaptive import Adaptive
+from curvebound.kernel.base import Model
+from curvebound.kernel.method import DONE
+
+KERNEL = interpreted_kernel()
+
+
+def run(model: Any, until: float, step: float, tolerance: float) -> Adaptive:
+    """Advance by communication steps of `step` s, with at most 2000 internal steps in each."""
+    method = Adaptive()
+    for _ in range(round(until / step)):
+        assert method.advance(model, step, 1, tolerance, 2000) == DONE
+        model.advance_frame(step)
+    return method
+
+
+@pytest.mark.parametrize(
+    ("mass", "tolerance"), [(1e2, 1e-10), (1e3, 1e-8), (1e3, 1e-6), (1e5, 1e-6)]
+)
+@pytest.mark.parametrize(
+    ("a", "off"), [(0.0, 0.0), (0.0, 1e-13), (-0.5, 1e-13), (0.5, 1e-13), (-0.5, 1e-6), (0.5, 1e-6)]
+)
+def test_near_the_inverted_rest(a: float, off: float, mass: float, tolerance: float) -> None:
+    """These took up to half a million steps, or failed; what rounding decides is said."""
+    model = KERNEL.system(
+        "ParabolaPendulum",
+        {
+            "parabola.coefficient_start": a,
+            "slider.u_start": 0.0,
+            "pendulum.angle_start": math.pi - off,
+            "pendulum.mass": mass,
+        },
+    )
+    method = run(model, 5.0, 0.1, tolerance)
+    assert method.steps < 1500
+    if off < 1e-6 and a <= 0.0:
+        assert method.doubt() > tolerance
+
+
+@pytest.mark.parametrize("damping", [(10.0, 0.1), (0.1, 10.0), (10.0, 10.0)])
+def test_settled_upside_down(damping: tuple[float, float]) -> None:
+    """In gravity that points up: 11.5 million steps for the 1000 s."""
+    model = KERNEL.system(
+        "ParabolaPendulum",
+        {
+            "gravity.y": 9.81,
+            "parabola.coefficient_start": 0.0,
+            "pendulum.mass": 100.0,
+            "slider.damping": damping[0],
+            "pendulum.damping": damping[1],
+        },
+    )
+    assert run(model, 1000.0, 10.0, 1e-10).steps < 1500
+    assert model.q1 == pytest.approx(math.pi, abs=1e-6)
+
+
+def test_settled_aside() -> None:
+    """Damping has brought it to rest at an angle other than 0."""
+    model = KERNEL.system(
+        "ParabolaPendulum",
+        {
+            "gravity.x": -1.0,
+            "parabola.coefficient_start": 0.1,
+            "pendulum.length": 0.3,
+            "slider.damping": 1.0,
+            "pendulum.damping": 1.0,
+            "pendulum.angle_start": 2.0,
+        },
+    )
+    method = run(model, 1000.0, 10.0, 1e-12)
+    assert method.steps < 3000
+    assert model.q1 == pytest.approx(-math.atan(1.0 / 9.81), abs=1e-12)
+
+
+@pytest.mark.parametrize("radius", [3847.0, 1000.0, 1.0])
+@pytest.mark.parametrize("formulation", [1, 2])
+def test_a_rate_that_damping_enslaves(radius: float, formulation: int) -> None:
+    """From rest against strong damping: force over damping, to the tolerance; 22 % were off."""
+    model = KERNEL.system(
+        "BeadOnWire",
+        {
+            "wire.radius": radius,
+            "bead.damping": 1e5,
+            "bead.angle_start": -1.161,
+            "model.formulation": formulation,
+        },
+    )
+    run(model, 20 * 0.26e-3, 0.26e-3, 1e-4)
+    _, rate, _ = model.rotation()
+    assert rate == pytest.approx(9.81 * math.sin(1.161) / (1e5 * radius), rel=1e-4)
+
+
+class Bowl(Model):
+    """A bead on the parabola y = a x^2, by the textbook and with nothing else."""
+
+    def __init__(self, a: float, x: float, v: float) -> None:
+        super().__init__()
+        self.a = a
+        self.q0, self.v0 = x, v
+
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        a = self.a
+        lean = 1.0 + 4.0 * a * a * q0 * q0
+        self.a0 = -(2.0 * a * q0) * (9.81 + 2.0 * a * v0 * v0) / lean
+        self.a1 = 0.0
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        a = self.a
+        lean = 1.0 + 4.0 * a * a * q0 * q0
+        g = 9.81 + 2.0 * a * v0 * v0
+        self.a0_q0 = -2.0 * a * g * (1.0 - 4.0 * a * a * q0 * q0) / (lean * lean)
+        self.a0_v0 = -8.0 * a * a * q0 * v0 / lean
+
+    def energy(self) -> float:
+        """Per mass."""
+        slope = 2.0 * self.a * self.q0
+        return 0.5 * (1.0 + slope * slope) * self.v0 * self.v0 + 9.81 * self.a * self.q0 * self.q0
+
+
+def test_a_textbook_model_without_any_hint() -> None:
+    """300 random ones: heights agree with a run at a thousandth of the tolerance, and energy."""
+    for number in range(300):
+        rng = random.Random(number)
+        a = 10.0 ** rng.uniform(-3, 3)
+        x = 10.0 ** rng.uniform(-3, 2)
+        slope = 2.0 * a * x
+        v = rng.choice((0.0, rng.uniform(-5.0, 5.0) / math.hypot(1.0, slope)))
+        high = max(x, abs(v) * math.hypot(1.0, slope) / math.sqrt(19.62 * a))
+        until = 2.0 * math.sqrt(2.0 * a * high * high / 9.81 + 1.0 / (19.62 * a))
+        model, finer = Bowl(a, x, v), Bowl(a, x, v)
+        method = run(model, until, until / 20, 1e-8)
+        run(finer, until, until / 20, 1e-11)
+        # an error of time counts by the slope
+        steep = max(1.0, 2.0 * a * high)
+        assert abs(model.q0 - finer.q0) <= 1e-7 * steep * high, number
+        assert abs(model.energy() - Bowl(a, x, v).energy()) <= 1e-6 * model.energy(), number
+        assert method.steps < 2000, number

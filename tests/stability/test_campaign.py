@@ -1,0 +1,52 @@
+"""A piece of the campaign: random motions against Taylor series in extended precision."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from campaign import PLANTS, Motion, campaign, difference, exact
+
+pytest.importorskip("heyoka")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PLANTS)
+def test_no_motion_is_wrong_in_silence(name: str) -> None:
+    outcomes = campaign(name, 150, 5)
+    bad = [one for one in outcomes if one.verdict in ("wrong", "failed", "dear")]
+    assert not bad
+    assert sum(one.verdict == "doubtful" for one in outcomes) <= 1
+    assert sum(one.verdict == "no reference" for one in outcomes) <= 15
+
+
+def test_the_reference_has_the_known_digits() -> None:
+    """45-digit Taylor series, 15 digits kept."""
+    values = {
+        "gravity.x": 0.0,
+        "gravity.y": -9.81,
+        "parabola.coefficient_start": 0.5,
+        "slider.mass": 1.0,
+        "pendulum.mass": 1.0,
+        "pendulum.length": 1.0,
+        "slider.damping": 0.0,
+        "pendulum.damping": 0.0,
+        "slider.u_start": 0.5,
+        "pendulum.angle_start": 0.5,
+        "slider.u_rate_start": 0.0,
+        "pendulum.angular_velocity_start": 0.0,
+    }
+    found = exact(PLANTS["pendulum"], Motion(values, [[0.0] * 7] * 20, 0.5, 1e-9))
+    assert found is not None
+    known = (-0.112074121556804, -0.295201431642521, 1.11389439174177, 1.11460636851215)
+    assert found[0][-1].astype(float) == pytest.approx(known, abs=3e-14)
+
+
+def test_differences_are_relative_to_what_moves() -> None:
+    motion = PLANTS["bead"].draw(random.Random(1))
+    states = np.linspace(0.0, 0.5, 42).reshape(21, 2)
+    other = states.copy()
+    other[7, 1] += 0.25
+    assert difference(PLANTS["bead"], motion, states, states) == 0.0
+    assert difference(PLANTS["bead"], motion, states, other) == pytest.approx(0.5)
