@@ -139,12 +139,15 @@ class BeadCartesian(BeadBase):
         vx = self.v0
         vy = self.v1
         if self.projects:
-            # both divisions at once: the velocity does not wait for the root
+            # the multiplier's force has no moment: what is kept is p x v, not the speed, or each
+            # step's error in radius would add to the rate
             pp = x * x + y * y
             normal = (x * vx + y * vy) / pp
-            scale = self.r / math.sqrt(pp)
-            vx -= normal * x
-            vy -= normal * y
+            length = math.sqrt(pp)
+            scale = self.r / length
+            stretch = length / self.r
+            vx = (vx - normal * x) * stretch
+            vy = (vy - normal * y) * stretch
             x *= scale
             y *= scale
             self.q0 = x
