@@ -270,8 +270,8 @@ def test_projection_reaches_the_wire_and_its_tangent(rng: random.Random) -> None
         assert model.q0 * y == pytest.approx(model.q1 * x, rel=1e-14)
         speed = math.hypot(model.v0, model.v1)
         assert abs(model.q0 * model.v0 + model.q1 * model.v1) <= 1e-15 * r * (speed + 1.0)
-        # what is tangential stays
-        assert model.q0 * model.v1 - model.q1 * model.v0 == pytest.approx(spin / 1.1, rel=1e-13)
+        # the moment of momentum stays
+        assert model.q0 * model.v1 - model.q1 * model.v0 == pytest.approx(spin, rel=1e-13)
 
 
 def test_unknown_choices_are_refused(bead_defaults: dict[str, float]) -> None:

@@ -139,6 +139,9 @@ R76: Final = 0.00675622322045605
 #: longest step, in units of the last, that is extrapolated to: rounding grows as the seventh power
 #: and passes for the scale of the motion, so that a wrong step is taken for a right one
 FARTHEST: Final = 16.0
+#: part of the tolerance to which sweeps converge: what they leave adds up from step to step, while
+#: errors of the symmetric method cancel where the motion returns
+CONVERGED: Final = 0.125
 #: most sweeps, and the slowest convergence, at which a step is not better halved
 MOST_SWEEPS: Final = 12
 SLOWEST: Final = 0.5
@@ -223,7 +226,7 @@ class Collocation:
 
         Returns the estimated error relative to the rates of the coordinates: up to `tolerance`
         the model's state and work have been advanced, else they are as before. Infinite: the
-        sweeps, which converge to `tolerance` too, diverge. Lets the model's ArithmeticError and
+        sweeps, which converge to a part of it, diverge. Lets the model's ArithmeticError and
         ValueError pass.
         """
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
@@ -377,7 +380,7 @@ class Collocation:
             if before > 0.0:
                 contraction = max(change / before, FASTEST)
                 left = change * contraction
-            done = left <= max(tolerance, ROUNDING)
+            done = left <= max(CONVERGED * tolerance, ROUNDING)
             if not done:
                 if sweep > 1 and contraction > SLOWEST:
                     if not known:
