@@ -7,8 +7,8 @@ import random
 from typing import Any
 
 import pytest
+from benchmarks.ours import interpreted_kernel
 
-from curvebound.bench.ours import interpreted_kernel
 from curvebound.kernel.adaptive import Adaptive
 from curvebound.kernel.base import Model
 from curvebound.kernel.method import DONE

@@ -1,10 +1,9 @@
 """Random motions of both plants with `adaptive`, against Taylor series in extended precision.
 
-    python tests/stability/campaign.py PLANT COUNT [SEED] [FIRST]
+    python tests/stability/campaign.py PLANT COUNT [--seed N] [--first N] [--without-hints]
 
-PLANT is bead or pendulum. Each point is a plant with parameters, start values, inputs that jump at
-each of PARTS communication steps, and a tolerance; rests near the inverted one, settled states and
-extreme ratios are frequent. The reference is heyoka's Taylor integrator in long double, which
+PLANT is bead or pendulum, points are drawn by motions.py; hints are what a model says of its motion
+beforehand (magnification). The reference is heyoka's Taylor integrator in long double, which
 shares neither method nor formula with the kernel. A point's conditioning is how much it magnifies
 a relative change of its numbers by CHANGE. It is wrong if its error exceeds MARGIN times tolerance
 times conditioning and no warning says so, doubtful if one does though it is well conditioned.
@@ -14,18 +13,24 @@ Needs heyoka (the extra `peers`) and a C compiler. Prints every point that is wr
 
 from __future__ import annotations
 
+import argparse
 import math
 import random
 import sys
 from collections import Counter
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from curvebound.bench import ours
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
-PARTS = 20
+from benchmarks import ours
+from motions import PARTS, Motion, bead, pendulum
+
+from curvebound.fmi.watch import MAGNIFIED
+
 CHANGE = 1e-9
 MARGIN = 10.0
 #: below this a point is well conditioned
@@ -36,17 +41,10 @@ EASY = 1000
 #: steps of the reference in a communication step after which a point is left out
 MOST = 20_000
 REST = 1e-6
+#: model.formulation
+ANGLE = 2
 Number = np.longdouble
-
-
-@dataclass
-class Motion:
-    """A point: values by variable name, inputs per communication step, step (s), tolerance."""
-
-    values: dict[str, float]
-    inputs: list[list[float]]
-    step: float
-    tolerance: float
+TURN = 8.0 * np.arctan(Number(1))
 
 
 @dataclass
@@ -60,110 +58,6 @@ class Outcome:
     reference_steps: int = 0
     warned: bool = False
     detail: str = ""
-
-
-def size(rng: random.Random, low: float, high: float) -> float:
-    """Uniform in the logarithm."""
-    return math.exp(rng.uniform(math.log(low), math.log(high)))
-
-
-def signed(rng: random.Random, low: float, high: float) -> float:
-    """Of either sign."""
-    return size(rng, low, high) * rng.choice((-1.0, 1.0))
-
-
-def maybe(rng: random.Random, share: float, value: float) -> float:
-    """The value in a share of the points, else zero."""
-    return value if rng.random() < share else 0.0
-
-
-def angle(rng: random.Random) -> float:
-    """Often near the inverted rest, sometimes near the hanging one, else anywhere."""
-    kind = rng.random()
-    if kind < 0.3:
-        off = 0.0 if rng.random() < 0.15 else size(rng, 1e-13, 1e-3)
-        return math.pi - off
-    if kind < 0.4:
-        return signed(rng, 1e-12, 1e-2)
-    return rng.uniform(-math.pi, math.pi)
-
-
-def gravity(rng: random.Random) -> dict[str, float]:
-    """Mostly down, sometimes up, oblique or none."""
-    down = rng.choice((9.81, 9.81, size(rng, 1e-2, 1e2), -9.81, 0.0))
-    return {"gravity.x": maybe(rng, 0.2, signed(rng, 1e-2, 1e2)), "gravity.y": -down}
-
-
-def bead(rng: random.Random) -> Motion:
-    """A bead on its wire."""
-    r = size(rng, 1e-3, 1e4)
-    m = size(rng, 1e-8, 1e8)
-    values = gravity(rng)
-    pull = math.hypot(*values.values()) or 1.0
-    time = math.sqrt(r / pull)
-    rate = maybe(rng, 0.5, signed(rng, 1e-3, 30.0) / time)
-    k = maybe(rng, 0.5, size(rng, 1e-3, 1e6))
-    values |= {
-        "wire.radius": r,
-        "bead.mass": m,
-        "bead.damping": m * k,
-        "bead.angle_start": angle(rng),
-        "bead.angular_velocity_start": rate,
-        "model.formulation": rng.choice((1, 2)),
-        "constraint.stabilization": 3,
-        "solver.method": 4,
-    }
-    drive = maybe(rng, 0.4, size(rng, 1e-3, 10.0) * pull)
-    push = maybe(rng, 0.3, m * size(rng, 1e-3, 10.0) * pull)
-    sizes = (drive, drive, push, push)
-    time = min(time, 1.0 / abs(rate) if rate else math.inf)
-    if k and rng.random() < 0.5:
-        time *= size(rng, 1e-4, 1e3)
-    return finish(rng, values, sizes, time)
-
-
-def pendulum(rng: random.Random) -> Motion:
-    """A pendulum on its parabola."""
-    m1 = size(rng, 1e-3, 1e3)
-    m2 = m1 * rng.choice((1.0, size(rng, 1e-2, 1e2), size(rng, 1e-10, 1e10)))
-    r = size(rng, 1e-2, 1e2)
-    values = gravity(rng)
-    pull = math.hypot(*values.values()) or 1.0
-    time = math.sqrt(r / pull)
-    a = rng.choice((0.0, 0.5, -0.5, 1.0 / r, size(rng, 1e-3, 1e5), -size(rng, 1e-3, 1e3)))
-    # some ten oscillations of what is fastest
-    time = min(time, 3.0 / math.sqrt(2.0 * abs(a) * pull)) if a else time
-    u = maybe(rng, 0.7, signed(rng, 1e-4, 1e2))
-    lean = math.hypot(1.0, 2.0 * a * u)
-    values |= {
-        "parabola.coefficient_start": a,
-        "parabola.coefficient_rate_start": 0.0,
-        "slider.mass": m1,
-        "pendulum.mass": m2,
-        "pendulum.length": r,
-        "slider.damping": maybe(rng, 0.4, m1 * size(rng, 1e-3, 1e6)),
-        "pendulum.damping": maybe(rng, 0.4, m2 * r * r * size(rng, 1e-3, 1e6)),
-        "slider.u_start": u,
-        "slider.u_rate_start": maybe(rng, 0.3, signed(rng, 1e-3, 10.0) * r / time / lean),
-        "pendulum.angle_start": angle(rng),
-        "pendulum.angular_velocity_start": maybe(rng, 0.3, signed(rng, 1e-3, 10.0) / time),
-        "model.fidelity": 2,
-        "solver.method": 4,
-    }
-    drive = maybe(rng, 0.3, size(rng, 1e-3, 10.0) * pull)
-    push = maybe(rng, 0.3, size(rng, 1e-3, 10.0) * pull)
-    sizes = (drive, drive, 0.0, m1 * push, m1 * push, m2 * push, m2 * push)
-    return finish(rng, values, sizes, time)
-
-
-def finish(
-    rng: random.Random, values: dict[str, float], sizes: tuple[float, ...], time: float
-) -> Motion:
-    """Inputs of the sizes, the step from a characteristic time (s), and a tolerance."""
-    inputs = [[x * rng.uniform(-1.0, 1.0) for x in sizes] for _ in range(PARTS)]
-    if rng.random() < 0.5:
-        inputs = [[0.0] * len(sizes)] * PARTS
-    return Motion(values, inputs, time * size(rng, 0.05, 2.0), size(rng, 1e-12, 1e-2))
 
 
 @dataclass
@@ -303,43 +197,62 @@ def difference(plant: Plant, motion: Motion, states: np.ndarray, others: np.ndar
     return worst if not math.isnan(worst) else math.inf
 
 
-def run(kernel: Any, plant: Plant, motion: Motion) -> tuple[np.ndarray, int, int, bool]:
+def run(
+    kernel: Any, plant: Plant, motion: Motion, hints: bool
+) -> tuple[np.ndarray, int, int, bool]:
     """The kernel's states, its outcome (0: done), steps in all, and whether it warns."""
     model = kernel.system(plant.fmu, motion.values)
     method = kernel.method(4)
-    rows = [state_of(plant, model)]
+    rows = [state_of(motion, model)]
     outcome = 0
+    doubt = 0.0
     for i in range(PARTS):
+        # the frame, which the relative motion does not feel, stays where it is
         model.set_inputs(motion.inputs[i], 0)
+        if not hints:
+            model.magnification = 1.0
+        doubt = max(doubt, MAGNIFIED * model.magnification)
         outcome = method.advance(model, motion.step, 1, motion.tolerance, DEAR)
         if outcome:
             break
-        model.advance_frame(motion.step)
-        rows.append(state_of(plant, model))
-    return np.array(rows, dtype=Number), outcome, method.steps, method.doubt() > motion.tolerance
+        rows.append(state_of(motion, model))
+    doubt = max(doubt, method.doubt())
+    return np.array(rows, dtype=Number), outcome, method.steps, doubt > motion.tolerance
 
 
-def state_of(plant: Plant, model: Any) -> list[float]:
-    """Coordinates and rates in the reference's order."""
-    if plant.fmu == "BeadOnWire":
-        turned, rate, _ = model.rotation()
-        return [turned, rate]
-    model.observe(0, values := [0.0] * len(model.OUTPUTS), 0)
-    return [values[0], values[2], values[1], values[3]]
+def state_of(motion: Motion, model: Any) -> list[float]:
+    """Coordinates and rates in the reference's order; angles but for whole turns."""
+    q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+    formulation = motion.values.get("model.formulation")
+    if formulation is None:
+        return [q0, q1, v0, v1]
+    if formulation == ANGLE:
+        return [q0, v0]
+    return [math.atan2(q0, -q1), (q0 * v1 - q1 * v0) / (q0 * q0 + q1 * q1)]
 
 
-def judge(kernel: Any, plant: Plant, motion: Motion, rng: random.Random) -> Outcome:
+def unwind(plant: Plant, states: np.ndarray, others: np.ndarray) -> None:
+    """Add whole turns to the angles of `others`, to those nearest to `states`."""
+    i = len(plant.start) // 2 - 1
+    turns = np.round((states[: len(others), i] - others[:, i]) / TURN)
+    others[:, i] += turns * TURN
+
+
+def judge(
+    kernel: Any, plant: Plant, motion: Motion, rng: random.Random, hints: bool = True
+) -> Outcome:
     """The verdict on a point."""
     found = exact(plant, motion)
     if found is None:
         return Outcome("no reference")
     states, most = found
-    result, failure, steps, warned = run(kernel, plant, motion)
+    result, failure, steps, warned = run(kernel, plant, motion, hints)
     outcome = Outcome("right", steps=steps, reference_steps=most, warned=warned)
     if failure:
         outcome.verdict = "failed" if most < EASY else "excused"
         outcome.detail = f"outcome {failure} in part {len(result)}"
         return outcome
+    unwind(plant, states, result)
     outcome.error = difference(plant, motion, states, result)
     conditioning = 1.0
     if outcome.error > MARGIN * motion.tolerance:
@@ -360,15 +273,15 @@ def judge(kernel: Any, plant: Plant, motion: Motion, rng: random.Random) -> Outc
     return outcome
 
 
-def campaign(name: str, count: int, seed: int, first: int = 0, kernel: Any = None) -> list[Outcome]:
+def campaign(name: str, count: int, seed: int, first: int = 0, hints: bool = True) -> list[Outcome]:
     """The outcomes of `count` points from number `first` on; the bad ones are printed."""
     plant = PLANTS[name]
-    kernel = kernel or ours.compiled_kernel()
+    kernel = ours.compiled_kernel()
     outcomes = []
     for number in range(first, first + count):
         rng = random.Random(f"{name} {seed} {number}")
         motion = plant.draw(rng)
-        outcome = judge(kernel, plant, motion, rng)
+        outcome = judge(kernel, plant, motion, rng, hints)
         outcomes.append(outcome)
         if outcome.verdict not in ("right", "no reference", "excused"):
             where = f"{name} seed {seed} point {number}, tolerance {motion.tolerance:.1e}"
@@ -376,9 +289,22 @@ def campaign(name: str, count: int, seed: int, first: int = 0, kernel: Any = Non
     return outcomes
 
 
-if __name__ == "__main__":
-    arguments = [int(x) for x in sys.argv[2:]]
-    found = campaign(sys.argv[1], arguments[0], *(arguments[1:] or [1]))
+def main() -> None:
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("plant", choices=PLANTS)
+    parser.add_argument("count", type=int)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--without-hints", action="store_true")
+    chosen = parser.parse_args()
+    found = campaign(
+        chosen.plant, chosen.count, chosen.seed, chosen.first, not chosen.without_hints
+    )
     print(Counter(one.verdict for one in found))
     print("warned", sum(one.warned for one in found), "of", len(found))
     print("most steps", max(one.steps for one in found))
+
+
+if __name__ == "__main__":
+    main()

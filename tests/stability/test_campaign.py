@@ -6,15 +6,17 @@ import random
 
 import numpy as np
 import pytest
-from campaign import PLANTS, Motion, campaign, difference, exact
+from campaign import PLANTS, campaign, difference, exact
+from motions import Motion
 
 pytest.importorskip("heyoka")
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("hints", [True, False])
 @pytest.mark.parametrize("name", PLANTS)
-def test_no_motion_is_wrong_in_silence(name: str) -> None:
-    outcomes = campaign(name, 150, 5)
+def test_no_motion_is_wrong_in_silence(name: str, hints: bool) -> None:
+    outcomes = campaign(name, 150, 5, hints=hints)
     bad = [one for one in outcomes if one.verdict in ("wrong", "failed", "dear")]
     assert not bad
     assert sum(one.verdict == "doubtful" for one in outcomes) <= 1

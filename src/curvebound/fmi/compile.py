@@ -18,25 +18,9 @@ from ..compiling.translate import translate
 from ..errors import CurveboundError
 from ..places import compiled_directory, fmus_directory
 from .folder import systems_in
-from .runtime import Runtime, SystemSources, runtime, system_sources
+from .runtime import REPEATED, VISIBLE, Runtime, SystemSources, runtime, system_sources
 
 __all__ = ["Compiled", "compile_kernel", "extension", "load_compiled", "why_not", "write_shipped"]
-
-#: what Python calls of the compiled kernel: class -> attributes and methods, "" -> functions
-_VISIBLE = {
-    "": ("create",),
-    "Message": ("status", "category", "msg", "debug"),
-    "Model": ("q0", "q1", "v0", "v1", "start", "set_inputs", "get_state", "set_state"),
-    "Method": ("steps", "evaluations", "advance", "reset", "get_state", "set_state"),
-    "Engine": (
-        *("queue", "do_step", "get_real", "set_real", "get_integer", "set_integer"),
-        *("setup_experiment", "enter_initialization", "exit_initialization", "terminate", "reset"),
-        *("get_state", "set_state", "say", "unknown", "dependencies"),
-    ),
-    "System": ("create",),
-}
-#: the loops in which the time goes
-_REPEATED = {"curvebound.kernel.rk4": ("steps",)}
 
 
 class Compiled(NamedTuple):
@@ -109,7 +93,7 @@ def _c_sources(core: Runtime, system: SystemSources | None) -> Path:
     """The folder with the C source of the core or of a system."""
 
     def make(folder: Path) -> None:
-        unit = core_unit = translate(core.extension, core.kernel, None, _VISIBLE, _REPEATED)
+        unit = core_unit = translate(core.extension, core.kernel, None, VISIBLE, REPEATED)
         if system is not None:
             unit = translate(system.extension, system.kernel, core_unit)
         made = write_c(unit, folder, core_unit)

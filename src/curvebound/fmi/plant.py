@@ -18,7 +18,7 @@ from ..kernel.method import (
 from ..kernel.methods import METHODS, create
 from .engine import Engine, System
 from .table import EPSILON, LARGEST, WARNING, Table
-from .watch import ENERGY_FRACTION
+from .watch import ENERGY_FRACTION, MAGNIFIED
 
 __all__ = ["Plant", "PlantEngine"]
 
@@ -186,7 +186,7 @@ class PlantEngine(Engine):
         if self.remembers and self.method.CHOOSES_STEP and not watch.said_rounding:
             model = self.model
             said = watch.rounding(
-                self.method.doubt(),
+                max(self.method.doubt(), MAGNIFIED * model.magnification),
                 self.relative,
                 self.tolerance_name(),
                 model.remedy("rounding"),

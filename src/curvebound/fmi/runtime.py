@@ -17,7 +17,7 @@ from typing import NamedTuple
 from ..compiling.translate import absolute
 from .folder import DECLARATION, Folder
 
-__all__ = ["Runtime", "SystemSources", "runtime", "system_sources"]
+__all__ = ["REPEATED", "VISIBLE", "Runtime", "SystemSources", "runtime", "system_sources"]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _ROOT = "curvebound"
@@ -36,6 +36,24 @@ _OTHERS = ("common", "declaration", "slave", "wrapped")
 _FACES = ("controller", "engine", "plant", "table", "watch")
 #: decides, with the sources, what is compiled from them
 _TRANSLATOR = ("c_functions", "extension", "repeated", "rewrite", "translate")
+#: what Python calls of the compiled kernel: class -> attributes and methods, "" -> functions
+VISIBLE = {
+    "": ("create",),
+    "Message": ("status", "category", "msg", "debug"),
+    "Model": (
+        *("q0", "q1", "v0", "v1", "magnification"),
+        *("start", "set_inputs", "get_state", "set_state"),
+    ),
+    "Method": ("steps", "evaluations", "doubt", "advance", "reset", "get_state", "set_state"),
+    "Engine": (
+        *("queue", "do_step", "get_real", "set_real", "get_integer", "set_integer"),
+        *("setup_experiment", "enter_initialization", "exit_initialization", "terminate", "reset"),
+        *("get_state", "set_state", "say", "unknown", "dependencies"),
+    ),
+    "System": ("create",),
+}
+#: the loops in which the time goes
+REPEATED = {"curvebound.kernel.rk4": ("steps",)}
 
 
 class Runtime(NamedTuple):
@@ -119,7 +137,9 @@ def runtime() -> Runtime:
     modules = {f"{_ROOT}.{name[:-3].replace('/', '.')}": files[name].decode() for name in compiled}
     translator = [(_PACKAGE / "compiling" / f"{name}.py").read_bytes() for name in _TRANSLATOR]
     digest = _digest(*translator, **files)
-    extension = f"{_ROOT}_core_{_digest(*translator, **modules)}"
+    extension = (
+        f"{_ROOT}_core_{_digest(*translator, repr((VISIBLE, REPEATED)).encode(), **modules)}"
+    )
     return Runtime(files, modules, digest, extension)
 
 

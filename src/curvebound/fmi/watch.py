@@ -20,6 +20,8 @@ DRIFT_FRACTION: Final = 1e-3
 #: model.acceleration_error above this
 ACCELERATION_ERROR: Final = 0.3
 UNIT_ROUNDOFF: Final = 1.1102230246251565e-16
+#: share of the motion in doubt, per magnification of errors, which is a bound that few come near
+MAGNIFIED: Final = 1e-4 * UNIT_ROUNDOFF
 #: what the suggested step aims at, as a fraction of the bound
 _AIM: Final = 0.3
 #: what keeps a bound, rounded to one digit, above what it has to exceed

@@ -52,8 +52,9 @@ class Adaptive(Method):
 
     The tolerance is relative to the rates, each coordinate's own. A motion that starts from rest,
     or rests, thus needs no absolute tolerance. Where something fast has happened, slow steps may
-    make as much less, for their errors of time count there. The error over ten oscillations is of
-    the size of the tolerance, or of what rounding makes of it.
+    make as much less, for their errors of time count there; so may all steps where the model says
+    beforehand that the motion magnifies errors (magnification). The error over ten oscillations is
+    of the size of the tolerance, or of what rounding makes of it.
     """
 
     ORDER = 14
@@ -137,7 +138,7 @@ class Adaptive(Method):
         rounding = self.rounding
         rounding.begin()
         settles = model.settles
-        share = max(SHARE * tolerance, LEAST_SHARE)
+        share = max(SHARE * tolerance / model.magnification, LEAST_SHARE)
         least = duration * SHORT
         model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
         a0 = model.a0

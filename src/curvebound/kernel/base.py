@@ -63,8 +63,8 @@ class Model:
         #: natural magnitudes of q0 and q1, for warnings
         self.q0_scale: float = 1.0
         self.q1_scale: float = 1.0
-        #: by how much the motion can magnify errors before anything of it shows: from a hundred on
-        #: `implicit` holds it closer to its balance of energy
+        #: by how much the motion can magnify errors before anything of it shows, where that is
+        #: known: so much closer the steps of `adaptive` and the balance of `implicit` are held
         self.magnification: float = 1.0
         #: whether power() can differ from zero with the present parameters, inputs and frame motion
         self.works: bool = False
