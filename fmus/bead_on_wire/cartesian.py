@@ -21,6 +21,8 @@ __all__ = ["BeadCartesian"]
 NONE: Final = 1
 BAUMGARTE: Final = 2
 PROJECTION: Final = 3
+#: item of solver.method
+ADAPTIVE: Final = 4
 
 
 class BeadCartesian(BeadBase):
@@ -29,6 +31,8 @@ class BeadCartesian(BeadBase):
     def __init__(self) -> None:
         super().__init__()
         self.projects: bool = False
+        #: whether it keeps the moment of momentum p x v, not the speed
+        self.keeps_moment: bool = False
         self.stiffness: float = 0.0
         self.feedback: float = 0.0
         #: factors of p.v and of p.p - r^2 in the multiplier, and whether both are zero
@@ -54,6 +58,9 @@ class BeadCartesian(BeadBase):
                 "or 3 (projection)"
             )
         self.projects = stabilization == PROJECTION
+        # the multiplier's force has no moment: that of a step of high order is ten times closer than
+        # its radius, whose error, systematic, would add up in the rate
+        self.keeps_moment = choices.get("solver.method", 0) == ADAPTIVE
         self.along = -self.k
         self.off = 0.0
         if stabilization == BAUMGARTE:
@@ -139,15 +146,15 @@ class BeadCartesian(BeadBase):
         vx = self.v0
         vy = self.v1
         if self.projects:
-            # the multiplier's force has no moment: what is kept is p x v, not the speed, or each
-            # step's error in radius would add to the rate
+            # both divisions at once: the velocity does not wait for the root
             pp = x * x + y * y
             normal = (x * vx + y * vy) / pp
-            length = math.sqrt(pp)
-            scale = self.r / length
-            stretch = length / self.r
-            vx = (vx - normal * x) * stretch
-            vy = (vy - normal * y) * stretch
+            scale = self.r / math.sqrt(pp)
+            vx -= normal * x
+            vy -= normal * y
+            if self.keeps_moment:
+                vx /= scale
+                vy /= scale
             x *= scale
             y *= scale
             self.q0 = x

@@ -69,17 +69,17 @@ ALWAYS_INLINE void bead_cartesian(const void *system, double t, const state *s, 
     }
 }
 
-/* Back onto the wire: the position along the radius, the velocity onto the tangent; p x v is kept. */
+/* Back onto the wire: the position along the radius, the velocity onto the tangent. */
 ALWAYS_INLINE void bead_project(const bead *b, state *s)
 {
-    const double length = sqrt(s->q0 * s->q0 + s->q1 * s->q1), per_length = 1.0 / length;
+    const double per_length = 1.0 / sqrt(s->q0 * s->q0 + s->q1 * s->q1);
     const double nx = s->q0 * per_length, ny = s->q1 * per_length;
-    const double radial = nx * s->v0 + ny * s->v1, stretch = length * b->per_radius;
+    const double radial = nx * s->v0 + ny * s->v1;
 
     s->q0 = b->radius * nx;
     s->q1 = b->radius * ny;
-    s->v0 = (s->v0 - radial * nx) * stretch;
-    s->v1 = (s->v1 - radial * ny) * stretch;
+    s->v0 -= radial * nx;
+    s->v1 -= radial * ny;
 }
 
 /* Minimal form: the angle's acceleration from the tangential force. */
