@@ -146,3 +146,19 @@ def test_a_textbook_model_without_any_hint() -> None:
         assert abs(model.q0 - finer.q0) <= 1e-7 * steep * high, number
         assert abs(model.energy() - Bowl(a, x, v).energy()) <= 1e-6 * model.energy(), number
         assert method.steps < 2000, number
+
+
+def test_damping_explains_short_steps_that_rounding_shortens_further() -> None:
+    """A large wire's bead all but at rest on top, in Cartesian form: 77 441 steps for the first."""
+    model = KERNEL.system(
+        "BeadOnWire",
+        {
+            "gravity.y": -0.48028177576279246,
+            "wire.radius": 4169.302924842597,
+            "bead.mass": 3300455.3138775495,
+            "bead.damping": 943872687.6961222,
+            "bead.angle_start": 3.1415926535896763,
+            "solver.method": 4,
+        },
+    )
+    assert run(model, 400.0, 100.0, 1.3230034071733421e-08).steps < 300

@@ -147,10 +147,18 @@ PLANTS = {
 }
 
 
-def exact(
-    plant: Plant, motion: Motion, factors: list[float] | None = None
-) -> tuple[np.ndarray, int] | None:
-    """States (PARTS + 1, n) at the communication points, and the most steps in one; or None.
+@dataclass
+class Exact:
+    """The reference: states (PARTS + 1, n) at the communication points, and their largest (n)
+    magnitudes between them too; the most steps in a communication step."""
+
+    states: np.ndarray
+    largest: np.ndarray
+    most: int
+
+
+def exact(plant: Plant, motion: Motion, factors: list[float] | None = None) -> Exact | None:
+    """The reference; None where it fails.
 
     factors: by which all numbers are multiplied, None for 1.
     """
@@ -162,37 +170,43 @@ def exact(
     ]
     ta.state[:] = [Number(motion.values[name]) * Number(next(of)) for name in plant.start]
     found = [ta.state.copy()]
+    largest = np.abs(ta.state)
     most = 0
+
+    def look(ta: Any) -> bool:
+        np.maximum(largest, np.abs(ta.state), out=largest)
+        return True
+
     scales = [Number(next(of)) for _ in range(plant.inputs)]
     for i in range(PARTS):
         ta.pars[len(plant.names) :] = [
             Number(x) * y for x, y in zip(motion.inputs[i], scales, strict=True)
         ]
-        done = ta.propagate_until(Number(motion.step) * (i + 1), max_steps=MOST)
+        done = ta.propagate_until(Number(motion.step) * (i + 1), max_steps=MOST, callback=look)
         if "time_limit" not in str(done[0]) or not np.all(np.isfinite(ta.state)):
             return None
         most = max(most, int(done[3]))
         found.append(ta.state.copy())
-    return np.array(found), most
+    return Exact(np.array(found), largest, most)
 
 
-def difference(plant: Plant, motion: Motion, states: np.ndarray, others: np.ndarray) -> float:
-    """The largest difference of an output, relative to its largest value.
+def difference(plant: Plant, motion: Motion, reference: Exact, others: np.ndarray) -> float:
+    """The largest difference of an output, relative to its largest value during the motion.
 
     Angles: to a radian or the angle turned. What hardly moves: to REST of the length.
     """
+    states = reference.states
     half = states.shape[1] // 2
     worst = 0.0
     for i in range(states.shape[1]):
         place = states[:, i % half]
         if plant.start[i % half] == "slider.u_start":
             length = max(motion.values["pendulum.length"], float(np.abs(place).max()))
-            scale = max(float(np.abs(states[:, i]).max()), REST * length)
+            scale = max(float(reference.largest[i]), REST * length)
         else:
             length = scale = max(1.0, float(np.abs(place - place[0]).max()))
         if i >= half:
-            scale = float(np.abs(states[:, i]).max())
-            scale = max(scale, REST * length / (PARTS * motion.step))
+            scale = max(float(reference.largest[i]), REST * length / (PARTS * motion.step))
         worst = max(worst, float(np.abs(states[:, i] - others[:, i]).max()) / scale)
     return worst if not math.isnan(worst) else math.inf
 
@@ -242,25 +256,25 @@ def judge(
     kernel: Any, plant: Plant, motion: Motion, rng: random.Random, hints: bool = True
 ) -> Outcome:
     """The verdict on a point."""
-    found = exact(plant, motion)
-    if found is None:
+    reference = exact(plant, motion)
+    if reference is None:
         return Outcome("no reference")
-    states, most = found
+    most = reference.most
     result, failure, steps, warned = run(kernel, plant, motion, hints)
     outcome = Outcome("right", steps=steps, reference_steps=most, warned=warned)
     if failure:
         outcome.verdict = "failed" if most < EASY else "excused"
         outcome.detail = f"outcome {failure} in part {len(result)}"
         return outcome
-    unwind(plant, states, result)
-    outcome.error = difference(plant, motion, states, result)
+    unwind(plant, reference.states, result)
+    outcome.error = difference(plant, motion, reference, result)
     conditioning = 1.0
     if outcome.error > MARGIN * motion.tolerance:
         for _ in range(3):
             factors = [1.0 + CHANGE * rng.choice((-1.0, 1.0)) for _ in range(40)]
             other = exact(plant, motion, factors)
             if other is not None:
-                change = difference(plant, motion, states, other[0]) / CHANGE
+                change = difference(plant, motion, reference, other.states) / CHANGE
                 conditioning = max(conditioning, change)
     outcome.conditioning = conditioning
     if not outcome.error <= MARGIN * motion.tolerance * conditioning:

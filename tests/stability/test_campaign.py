@@ -6,7 +6,7 @@ import random
 
 import numpy as np
 import pytest
-from campaign import PLANTS, campaign, difference, exact
+from campaign import PLANTS, Exact, campaign, difference, exact
 from motions import Motion
 
 pytest.importorskip("heyoka")
@@ -42,7 +42,7 @@ def test_the_reference_has_the_known_digits() -> None:
     found = exact(PLANTS["pendulum"], Motion(values, [[0.0] * 7] * 20, 0.5, 1e-9))
     assert found is not None
     known = (-0.112074121556804, -0.295201431642521, 1.11389439174177, 1.11460636851215)
-    assert found[0][-1].astype(float) == pytest.approx(known, abs=3e-14)
+    assert found.states[-1].astype(float) == pytest.approx(known, abs=3e-14)
 
 
 def test_differences_are_relative_to_what_moves() -> None:
@@ -50,5 +50,7 @@ def test_differences_are_relative_to_what_moves() -> None:
     states = np.linspace(0.0, 0.5, 42).reshape(21, 2)
     other = states.copy()
     other[7, 1] += 0.25
-    assert difference(PLANTS["bead"], motion, states, states) == 0.0
-    assert difference(PLANTS["bead"], motion, states, other) == pytest.approx(0.5)
+    for largest in (0.5, 2.0):  # there, or between
+        reference = Exact(states, np.array([0.5, largest]), 1)
+        assert difference(PLANTS["bead"], motion, reference, states) == 0.0
+        assert difference(PLANTS["bead"], motion, reference, other) == 0.25 / largest

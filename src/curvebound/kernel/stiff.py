@@ -28,6 +28,9 @@ SAFETY: Final = 0.8
 MOST_GROWTH: Final = 4.0
 #: smallest step relative to the communication step
 RESOLUTION: Final = 1e-22
+#: the shortest step that damping explains, as a part of its time constant: with what rounding makes of
+#: a rate at rest, or a tight tolerance
+STIFF: Final = 0.125
 LARGEST: Final = 1e300
 
 
@@ -161,7 +164,7 @@ def is_stiff(model: Model, rounding: Rounding, t: float, h: float, a0: float, a1
         # whatever h is: other steps shrink to what is left
         return damping > 0.0
     slow = 4.0 * change0 <= damping * v0 and 4.0 * change1 <= damping * v1
-    return slow and 2.0 * h * damping >= 1.0
+    return slow and h * damping >= STIFF
 
 
 def growth(error: float) -> float:
