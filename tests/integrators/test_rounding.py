@@ -161,4 +161,5 @@ def test_damping_explains_short_steps_that_rounding_shortens_further() -> None:
             "solver.method": 4,
         },
     )
-    assert run(model, 400.0, 100.0, 1.3230034071733421e-08).steps < 300
+    step = 107.65889735714387
+    assert run(model, step, step, 1.3230034071733421e-08).steps < 300

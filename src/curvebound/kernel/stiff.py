@@ -28,9 +28,9 @@ SAFETY: Final = 0.8
 MOST_GROWTH: Final = 4.0
 #: smallest step relative to the communication step
 RESOLUTION: Final = 1e-22
-#: the shortest step that damping explains, as a part of its time constant: with what rounding makes of
-#: a rate at rest, or a tight tolerance
-STIFF: Final = 0.125
+#: the shortest step that damping explains, as a part of its time constant: a tight tolerance, and
+#: rounding at rest, shorten what convergence allows
+STIFF: Final = 0.03
 LARGEST: Final = 1e300
 
 
