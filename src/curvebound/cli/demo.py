@@ -111,7 +111,7 @@ def _run(options: argparse.Namespace) -> int:
 def _gallery(results: list[tuple[Scene, Result]], out: Path, *, with_pictures: bool) -> Path:
     """A page with a card per scene."""
     from ..files import inside
-    from ..view import Card, write_gallery, write_picture, write_replay
+    from ..view import About, Card, write_gallery, write_picture, write_replay
 
     cards = []
     for scene, result in results:
@@ -119,7 +119,11 @@ def _gallery(results: list[tuple[Scene, Result]], out: Path, *, with_pictures: b
         if with_pictures:
             drawn = inside(out, scene.name, ".png")
             picture = write_picture(result, drawn, title=scene.name)
-        replay = write_replay([(scene.name, result)], inside(out, scene.name, ".html"))
+        replay = write_replay(
+            [(scene.name, result)],
+            inside(out, scene.name, ".html"),
+            about=About(scene.description, links={"Gallery": "index.html"}),
+        )
         cards.append(
             Card(
                 scene.name,

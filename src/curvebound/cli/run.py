@@ -11,9 +11,13 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..arguments import file_of
 from ..cosim.options import configure as _configure
+
+if TYPE_CHECKING:
+    from ..cosim import Result, Scene
 
 NAME = "run"
 HELP = "run a scene or an SSP file"
@@ -50,11 +54,7 @@ def run(options: argparse.Namespace) -> int:
         scene.record(*(f"{name}.*" for name in scene.components))
     results = run_all(scene, options, summarize)
     if options.replay is not None:
-        from ..files import inside
-        from ..view.replay import write_replay
-
-        out = options.replay if options.replay.name else inside(Path("build"), scene.name, ".html")
-        print(write_replay(results, out, title=scene.name))
+        print(_replay(scene, options, results))
     if options.picture is not None:
         from ..view import write_picture
 
@@ -64,3 +64,18 @@ def run(options: argparse.Namespace) -> int:
 
         print(write_gif(results, options.gif))
     return 0
+
+
+def _replay(scene: Scene, options: argparse.Namespace, results: list[tuple[str, Result]]) -> Path:
+    """The page; of several runs the scene's own is named after its settings too."""
+    from ..cosim.differences import differences, own_label
+    from ..cosim.options import chosen
+    from ..files import inside
+    from ..view.replay import About, write_replay
+
+    differing = differences([one for _, one in chosen(scene, options)])
+    own = own_label(differing, 0)
+    if own and own not in [label for label, _ in results]:
+        results = [(own, results[0][1]), *results[1:]]
+    out = options.replay if options.replay.name else inside(Path("build"), scene.name, ".html")
+    return write_replay(results, out, title=scene.name, about=About(scene.description, differing))

@@ -4,9 +4,10 @@ from .animation import write_gif
 from .gallery import Card, write_gallery
 from .picture import write_picture
 from .reading import Reading, read_result
-from .replay import write_replay
+from .replay import About, write_replay
 
 __all__ = [
+    "About",
     "Card",
     "Reading",
     "read_result",

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from ..cosim.differences import Difference
 from ..cosim.results import Result
 from ..fmi.drawing import Drawing
 from ..pages import common_style, document, embedded_json, filled, write_page
 from .asset_files import asset
 from .model import build_model
 
-__all__ = ["write_replay"]
+__all__ = ["About", "write_replay"]
 
 _SCRIPTS = (
     "data.js",
@@ -23,13 +24,28 @@ _SCRIPTS = (
     "formula.js",
     "ruler.js",
     "scene.js",
-    "plots.js",
     "shared.js",
+    "bounds.js",
+    "saving.js",
+    "plots.js",
     "gestures.js",
     "player.js",
     "controls.js",
+    "about.js",
     "replay.js",
 )
+
+
+class About(NamedTuple):
+    """What a replay tells of its results.
+
+    text: what they show, one line. differing: the settings in which they differ, a value for each.
+    links: pages, relative to the replay's folder, by what they are called.
+    """
+
+    text: str = ""
+    differing: Sequence[Difference] = ()
+    links: Mapping[str, str] = {}
 
 
 def write_replay(
@@ -38,17 +54,25 @@ def write_replay(
     title: str | None = None,
     notes: Sequence[str] = (),
     known: Sequence[Drawing] = (),
+    about: About | None = None,
 ) -> Path:
     """Write `results`, pairs of a label and a Result or structured array, as a page to `out`.
 
     Columns are `time` in s and `component.variable` or plain `variable` in SI units; those of a
     structured array are recognised as a system's of the package or of the drawings `known`. Several
     results share one picture, each in a colour of its own, with their distance from the first.
-    `notes` are shown above the picture. Raises CurveboundError where a result cannot be shown.
+    `notes` are shown above the picture, as is what it is `about`. Raises CurveboundError where a
+    result cannot be shown.
     """
     if title is None:
         title = " and ".join(label for label, _ in results)
     model, packer = build_model(results, title, notes, known)
+    about = about or About()
+    model["about"] = {
+        "text": about.text,
+        "differing": [one._asdict() for one in about.differing],
+        "links": dict(about.links),
+    }
     ours = "\n".join(asset(name) for name in _SCRIPTS)
     body = filled(
         asset("replay.html"),

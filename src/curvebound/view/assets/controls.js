@@ -18,6 +18,7 @@ function buildControls(page) {
   on("time-out", () => page.zoomTime(0.5));
   on("time-all", () => page.setWindow(player.start, player.end));
   on("help-button", () => page.help());
+  on("degrees", () => page.toggleDegrees());
   scrub.addEventListener("input", () => player.seek(Number(scrub.value)));
   get("speed").addEventListener("change", () => player.pace(Number(get("speed").value)));
   if (page.scene) {
@@ -26,6 +27,7 @@ function buildControls(page) {
     on("zoom-out", () => page.look(() => page.scene.zoomBy(1 / 1.4)));
     on("fit", () => page.look(() => page.scene.fit()));
     on("follow", () => page.toggleFollow());
+    on("picture", () => download(page.scene.canvas, fileName(page.model.title, page.timeText(player.time))));
     get("trail").addEventListener("change", () => page.look(() => {
       page.scene.trail = Number(get("trail").value);
     }));
@@ -48,7 +50,7 @@ function pressed(page, event) {
     ArrowRight: () => (event.shiftKey ? player.seek(player.time + big) : page.step(1)),
     Home: () => player.seek(player.start), End: () => player.seek(player.end),
     "[": () => page.faster(-1), "]": () => page.faster(1), 1: () => player.pace(1),
-    l: () => page.toggleLoop(), d: () => page.nextTheme(), "?": () => page.help(),
+    l: () => page.toggleLoop(), d: () => page.nextTheme(), o: () => page.toggleDegrees(), "?": () => page.help(),
     "<": () => page.zoomTime(0.5), ">": () => page.zoomTime(2),
     a: () => page.setWindow(player.start, player.end),
   };

@@ -35,6 +35,19 @@ function formatter(values, error) {
   };
 }
 
+const DEGREE = 180 / Math.PI;
+
+// The unit in degrees of one in radians, else null.
+function degreesOf(unit) {
+  return { rad: "\u00b0", "rad/s": "\u00b0/s", "rad/s2": "\u00b0/s2" }[unit] ?? null;
+}
+
+// A value with its unit: as it is, or in the unit in degrees that it is turned into.
+function told({ format, unit }, value, turned) {
+  if (!turned) return withUnit(format(value), unit);
+  return Number.isFinite(value) ? withUnit((value * DEGREE).toFixed(2).replace("-", MINUS), turned) : "\u2013";
+}
+
 // Labels of an axis: plain where short, else with an exponent.
 function tickText(value) {
   if (value === 0) return "0";

@@ -17,6 +17,7 @@ class LivePage {
     this.frameTimes = [];
     this.told = -Infinity;
     this.colours = themeColours();
+    this.degrees = false;
     this.beginning = true;
     get("about").textContent = model.description ? `\u2013 ${model.description}` : "";
     this.grips = new Grips(this, model.grips);
@@ -210,9 +211,10 @@ class LivePage {
 
   tell() {
     for (const plot of this.plots) if (plot.chart && !plot.element.hidden) plot.tell(this.hovered ?? this.time);
-    for (const { cell, samples, source, unit, format } of this.cells) {
-      const times = samples.view(samples.times);
-      const text = times.length ? withUnit(format(source[nearestIndex(times, this.time)]), unit) : "\u2013";
+    for (const one of this.cells) {
+      const { cell, samples, source } = one, times = samples.view(samples.times);
+      const value = times.length ? source[nearestIndex(times, this.time)] : NaN;
+      const text = told(one, value, this.degrees ? degreesOf(one.unit) : null);
       if (cell.textContent !== text) cell.textContent = text;
     }
   }
@@ -281,6 +283,12 @@ class LivePage {
     if (!this.scene) return;
     this.look(() => this.scene.follow(!this.scene.following));
     get("follow").setAttribute("aria-pressed", String(this.scene.following));
+  }
+
+  toggleDegrees() {
+    this.degrees = !this.degrees;
+    get("degrees").setAttribute("aria-pressed", String(this.degrees));
+    this.redraw();
   }
 
   nextOf(id, by, around = false) {

@@ -22,7 +22,7 @@ function liveKey(page, event) {
     "[": () => page.faster(-1), "]": () => page.faster(1), 1: () => page.pace(1),
     u: () => page.send({ do: "undo" }), m: () => page.send({ do: "mark" }), b: () => page.send({ do: "back" }),
     r: () => page.send({ do: "reset" }), s: () => page.send({ do: "record" }), v: () => page.toggleBeside(),
-    g: () => page.grips.next(), d: () => page.nextTheme(), "?": () => page.help(),
+    g: () => page.grips.next(), o: () => page.toggleDegrees(), d: () => page.nextTheme(), "?": () => page.help(),
     "<": () => page.nextOf("span", 1), ">": () => page.nextOf("span", -1),
     f: () => page.fit(), c: () => page.toggleFollow(), t: () => page.nextOf("trail", 1, true),
     "+": () => page.look(() => page.scene?.zoomBy(1.4)), "=": () => page.look(() => page.scene?.zoomBy(1.4)),

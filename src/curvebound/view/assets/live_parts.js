@@ -5,9 +5,10 @@ function buildLegend(page, actors) {
   legend.replaceChildren();
   legend.hidden = !page.many;
   for (const actor of actors) {
-    const item = element("li", actor.label);
-    item.prepend(element("i", undefined, { "aria-hidden": "true", class: `dot ${shaped(actor)} c${actor.number % 8}` }));
-    legend.append(item);
+    legend.append(legendEntry(actor, (shown) => {
+      if (shown) page.scene.hidden.delete(actor.number); else page.scene.hidden.add(actor.number);
+      page.redraw();
+    }));
   }
 }
 
@@ -62,6 +63,7 @@ function scaled([low, high], error = false) {
 
 function buildLivePlots(page, actors) {
   const face = {
+    name: page.model.name, hides: (actor) => page.scene?.hidden.has(actor) ?? false, degrees: () => page.degrees,
     colours: () => page.colours, many: page.many, range: () => page.range(), seek: () => {},
     hover: (t) => page.hover(t), zoomTime: (factor) => page.nextOf("span", factor > 1 ? -1 : 1),
   };
@@ -167,6 +169,8 @@ function buildLiveControls(page) {
   on("zoom-in", () => page.look(() => page.scene.zoomBy(1.4)));
   on("zoom-out", () => page.look(() => page.scene.zoomBy(1 / 1.4)));
   on("fit", () => page.fit());
+  on("degrees", () => page.toggleDegrees());
+  on("picture", () => download(page.scene.canvas, fileName(page.model.name, page.time.toFixed(2))));
   on("follow", () => page.toggleFollow());
   get("trail").addEventListener("change", () => page.look(() => { page.scene.trail = Number(get("trail").value); }));
   get("speed").addEventListener("change", () => page.pace(Number(get("speed").value)));

@@ -52,7 +52,8 @@ function minMax(series, parts, from, to, columns) {
 }
 
 class TimePlot {
-  // spec: a plot of the model; page: {colours, range(), seek(t), hover(t), many}.
+  // spec: a plot of the model; page: {name, colours, range(), seek(t), hover(t), many, hides(actor),
+  // degrees()}.
   constructor(spec, channels, page) {
     this.spec = spec;
     this.page = page;
@@ -71,6 +72,9 @@ class TimePlot {
       dash: DASHES[(many || page.many ? labels.indexOf(one.label) : k) % DASHES.length],
     }));
     for (const one of this.series) one.format = formatter(one.values, spec.error);
+    this.off = new Set();
+    this.whole = false;
+    this.bounds = spec.error ? null : boundsOf(this.series);
     this.build();
   }
 
@@ -82,39 +86,42 @@ class TimePlot {
     const head = document.createElement("header");
     const title = document.createElement("h3");
     title.textContent = spec.title;
-    const unit = prettyUnit(spec.unit);
-    if (unit) {
-      const small = document.createElement("span");
-      small.className = "unit";
-      small.textContent = ` ${unit}`;
-      title.append(small);
-    }
+    this.unit = element("span", "", { class: "unit" });
+    title.append(this.unit);
     head.append(title);
-    if (spec.error) {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.className = "small";
-      button.textContent = "log";
-      button.title = "Logarithmic axis of the magnitude";
-      button.setAttribute("aria-label", `Logarithmic axis: ${spec.title}`);
-      button.setAttribute("aria-pressed", "false");
-      button.addEventListener("click", () => {
-        this.logarithmic = !this.logarithmic;
-        button.setAttribute("aria-pressed", String(this.logarithmic));
-        this.mount();
-      });
-      head.append(button);
-    }
+    const button = (text, words, action) => {
+      const made = element("button", text, { type: "button", class: "small", title: words });
+      made.setAttribute("aria-label", `${words}: ${spec.title}`);
+      made.addEventListener("click", () => action(made));
+      head.append(made);
+      return made;
+    };
+    const toggle = (text, words, name) => button(text, words, (made) => {
+      this[name] = !this[name];
+      made.setAttribute("aria-pressed", String(this[name]));
+      this.mount();
+    }).setAttribute("aria-pressed", "false");
+    if (spec.error) toggle("log", "Logarithmic axis of the magnitude", "logarithmic");
+    if (this.bounds) toggle("all", "All of a run that leaves the others behind", "whole");
+    button("PNG", "Save as PNG", () => (
+      download(plotPicture(this, this.page.colours()), fileName(this.page.name, spec.title))));
     this.legend = document.createElement("ul");
     this.legend.className = "legend";
     this.cells = this.series.map((one) => {
       const item = document.createElement("li"), swatch = document.createElement("canvas");
+      const switching = element("button", undefined, { type: "button", class: "entry", "aria-pressed": "true", title: "Show or hide" });
       swatch.width = 44;
       swatch.height = 12;
       swatch.setAttribute("aria-hidden", "true");
       const label = document.createElement("span"), value = document.createElement("output");
       label.textContent = one.text;
-      item.append(swatch, label, value);
+      switching.append(swatch, label);
+      switching.addEventListener("click", () => {
+        if (!this.off.delete(one)) this.off.add(one);
+        switching.setAttribute("aria-pressed", String(!this.off.has(one)));
+        this.mount();
+      });
+      item.append(switching, value);
       this.legend.append(item);
       return { swatch, value };
     });
@@ -139,12 +146,27 @@ class TimePlot {
     return `${this.spec.title} over time: ${parts.join("; ")}`;
   }
 
+  shows(one) {
+    return !this.off.has(one) && !this.page.hides(one.actor);
+  }
+
+  // Angles are told in degrees where the page wishes.
+  turned(one) {
+    return this.page.degrees() ? degreesOf(one.unit) : null;
+  }
+
+  heading() {
+    const unit = prettyUnit(this.turned(this.spec) ?? this.spec.unit);
+    return this.spec.title + (unit ? ` ${unit}` : "");
+  }
+
   // Draw anew: at first, and when size, theme or kind of axis change.
   mount() {
     if (this.chart) this.chart.destroy();
     const width = Math.max(this.box.clientWidth, 160), height = 170;
     const colours = this.page.colours();
     this.swatches();
+    this.unit.textContent = this.heading().slice(this.spec.title.length);
     const axis = { stroke: colours.muted, grid: { stroke: colours.grid, width: 1 },
                    ticks: { stroke: colours.grid, width: 1, size: 4 }, font: colours.font };
     const values = (_, ticks) => ticks.map((tick) => (tick === null ? "" : tickText(tick)));
@@ -157,14 +179,14 @@ class TimePlot {
       padding: [8, 22, 0, 0],
       scales: {
         x: { time: false, range: () => this.page.range() },
-        y: this.logarithmic ? { distr: 3, range: logRange } : { range: linearRange },
+        y: this.logarithmic ? { distr: 3, range: logRange } : { range: (_, low, high) => this.linear(low, high) },
       },
       axes: [
         { ...axis, size: 24, gap: 4, values: (_, t) => t.map((x) => `${tickText(x)} s`), space: 60 },
         { ...axis, size: 66, gap: 4, space: 26, values },
       ],
       series: [{}, ...this.series.map((one) => ({
-        stroke: one.colour, dash: one.dash, spanGaps: false,
+        stroke: one.colour, dash: one.dash, spanGaps: false, show: this.shows(one),
         // Later ones are thinner, so that two on one line both show.
         width: this.page.many ? Math.max(3 - one.actor, 1.2) : 1.5,
         points: { show: single, size: 7 },
@@ -197,9 +219,20 @@ class TimePlot {
   data(width) {
     const [from, to] = this.page.range();
     const data = decimate(this.series, from, to, Math.max(width - 88, 80));
+    if (this.turned(this.spec)) {
+      const turn = (value) => (typeof value === "number" ? value * DEGREE : value);
+      return [data[0], ...data.slice(1).map((values) => values.map(turn))];
+    }
     if (!this.logarithmic) return data;
     const size = (value) => (typeof value === "number" ? Math.abs(value) || null : value);
     return [data[0], ...data.slice(1).map((values) => values.map(size))];
+  }
+
+  linear(low, high) {
+    if (!this.bounds || this.whole || low === null || high === null) return linearRange(low, high);
+    const [from, to] = this.bounds.map((bound) => bound * (this.turned(this.spec) ? DEGREE : 1));
+    return low > to || high < from ? linearRange(low, high)
+      : linearRange(Math.max(low, from), Math.min(high, to));
   }
 
   // The range of time has changed.
@@ -230,9 +263,9 @@ class TimePlot {
   // Numbers in the legend, those of the sample nearest to t.
   tell(t) {
     this.cells.forEach(({ value }, k) => {
-      const { times, values, format, unit } = this.series[k];
+      const one = this.series[k], { times, values } = one;
       const past = t > times[times.length - 1] + 1e-9 || t < times[0] - 1e-9;
-      const text = past ? "\u2013" : withUnit(format(values[nearestIndex(times, t)]), unit);
+      const text = past ? "\u2013" : told(one, values[nearestIndex(times, t)], this.turned(one));
       if (value.textContent !== text) value.textContent = text;
     });
   }
@@ -260,7 +293,7 @@ class TimePlot {
   }
 }
 
-function linearRange(_, low, high) {
+function linearRange(low, high) {
   if (low === null || high === null || !Number.isFinite(low + high)) return [0, 1];
   const size = Math.max(Math.abs(low), Math.abs(high));
   // What is constant but for rounding is drawn as a straight line, not as noise.

@@ -17,8 +17,10 @@ class Page {
     this.told = -Infinity;
     this.colours = themeColours();
     this.frameTimes = [];
+    this.degrees = false;
     this.many = model.actors.length > 1;
     this.buildNotes();
+    buildAbout(model);
     if (model.actors.length) {
       this.scene = new Scene(get("scene"), model, channels, () => this.colours);
       this.buildLegend();
@@ -70,10 +72,10 @@ class Page {
   tell() {
     const t = this.hovered ?? this.player.time;
     for (const plot of this.plots) if (plot.chart) plot.tell(t);
-    for (const { cell, times, values, format, unit } of this.cells) {
-      const past = this.player.time > times[times.length - 1] + 1e-9;
+    for (const one of this.cells) {
+      const { cell, times, values } = one, past = this.player.time > times[times.length - 1] + 1e-9;
       const value = values[nearestIndex(times, this.player.time)];
-      const text = past ? "ended" : withUnit(format(value), unit);
+      const text = past ? "ended" : told(one, value, this.degrees ? degreesOf(one.unit) : null);
       if (cell.textContent !== text) cell.textContent = text;
     }
     get("scrub").setAttribute("aria-valuetext", `${this.timeText(this.player.time)} seconds`);
@@ -114,9 +116,7 @@ class Page {
     this.player.seek(this.frames[Math.min(Math.max(k, 0), this.frames.length - 1)]);
   }
 
-  tapped() {
-    this.player.toggle();
-  }
+  tapped() { this.player.toggle(); }
 
   faster(by) {
     const at = SPEEDS.findIndex((speed) => speed >= this.player.speed * 0.999);
@@ -180,13 +180,20 @@ class Page {
 
   buildLegend() {
     if (!this.many) return;
-    for (const actor of this.model.actors) {
-      const item = element("li", actor.label);
-      const dot = element("i", undefined, { "aria-hidden": "true", class: `dot ${shaped(actor)} c${actor.number}` });
-      item.prepend(dot);
-      get("legend").append(item);
-    }
+    for (const actor of this.model.actors) get("legend").append(legendEntry(actor, (shown) => this.hide(actor, !shown)));
     get("legend").hidden = false;
+  }
+
+  // Take a result out of drawing and plots, or back.
+  hide(actor, hidden) {
+    if (hidden) this.scene.hidden.add(actor.number); else this.scene.hidden.delete(actor.number);
+    this.redraw();
+  }
+
+  toggleDegrees() {
+    this.degrees = !this.degrees;
+    get("degrees").setAttribute("aria-pressed", String(this.degrees));
+    this.redraw();
   }
 
   buildReadouts() {
@@ -226,6 +233,7 @@ class Page {
 
   buildPlots() {
     const page = {
+      name: this.model.title, hides: (actor) => this.scene?.hidden.has(actor) ?? false, degrees: () => this.degrees,
       colours: () => this.colours, many: this.many,
       range: () => this.range(), seek: (t) => this.player.seek(t), hover: (t) => this.hover(t),
       zoomTime: (factor, t) => this.zoomTime(factor, t),

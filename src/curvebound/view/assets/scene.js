@@ -11,6 +11,7 @@ class Scene {
     this.view = model.view;
     this.colours = colours;
     this.trail = 1;
+    this.hidden = new Set();  // numbers of actors
     this.following = model.view.follow;
     this.actors = model.actors.map((actor, number) => {
       const places = {};
@@ -111,9 +112,10 @@ class Scene {
     c.fillRect(0, 0, this.width, this.height);
     c.lineCap = c.lineJoin = "round";
     drawGrid(c, this, camera, colours);
-    this.actors.forEach((actor, i) => this.curves(camera, actor, placed[i], placed[0], colours));
-    this.actors.forEach((actor, i) => this.trails(camera, actor, placed[i], t, colours));
-    this.actors.forEach((actor, i) => this.bodies(camera, actor, placed[i], colours));
+    const seen = this.actors.filter(({ number }) => !this.hidden.has(number));
+    for (const actor of seen) this.curves(camera, actor, placed[actor.number], placed[0], colours);
+    for (const actor of seen) this.trails(camera, actor, placed[actor.number], t, colours);
+    for (const actor of seen) this.bodies(camera, actor, placed[actor.number], colours);
     drawScaleBar(c, this, camera, colours);
     const blank = this.actors.filter((_, i) => placed[i].blank).map((actor) => actor.label);
     if (blank.length) {
@@ -128,7 +130,7 @@ class Scene {
   // Circles and curves, and a mark on the origin of their frame.
   curves(camera, actor, at, first, colours) {
     const c = this.context, { scale, left, bottom } = camera;
-    if (actor.number !== 0 && this.alike(actor, at, first)) return;
+    if (actor.number !== 0 && !this.hidden.has(0) && this.alike(actor, at, first)) return;
     c.strokeStyle = actor.number === 0 ? colours.curve : colours.actors[actor.number];
     c.globalAlpha = actor.number === 0 ? 1 : 0.55;
     c.lineWidth = actor.number === 0 ? 2.5 : 1.5;

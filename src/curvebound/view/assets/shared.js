@@ -42,6 +42,20 @@ function shaped(actor) {
   return actor.points.every(({ shape }) => !shape) ? "shaped" : "plain";
 }
 
+// An entry of the legend, which shows and hides its actor: switched(shown) is called.
+function legendEntry(actor, switched) {
+  const item = element("li"), dot = element("i", undefined, { "aria-hidden": "true", class: `dot ${shaped(actor)} c${actor.number % 8}` });
+  const button = element("button", actor.label, { type: "button", class: "entry", "aria-pressed": "true", title: "Show or hide" });
+  button.prepend(dot);
+  button.addEventListener("click", () => {
+    const shown = button.getAttribute("aria-pressed") !== "true";
+    button.setAttribute("aria-pressed", String(shown));
+    switched(shown);
+  });
+  item.append(button);
+  return item;
+}
+
 function mix(one, other, share) {
   const part = (hex, k) => parseInt(hex.slice(1 + 2 * k, 3 + 2 * k), 16);
   const blend = (k) => Math.round(part(one, k) * (1 - share) + part(other, k) * share);
