@@ -264,8 +264,10 @@ def test_layout_contrast_and_names(
     assert tab.run(NAMELESS) == []
     # the bar covers nothing: at the end of the page the last value stands above it
     tab.run("for (const one of document.querySelectorAll('details')) one.open = false")
-    tab.run("scrollTo(0, document.documentElement.scrollHeight)")
+    press(tab, "play")
+    tab.wait("!curvebound.state.playing")  # numbers that grow make the page longer
     box = tab.run(
+        "scrollTo(0, document.documentElement.scrollHeight);"
         "[document.querySelector('.transport').getBoundingClientRect().top,"
         "document.getElementById('panel').getBoundingClientRect().bottom,"
         "document.querySelector('.transport').getBoundingClientRect().height]"
