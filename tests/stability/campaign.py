@@ -2,7 +2,7 @@
 
     python tests/stability/campaign.py PLANT COUNT [--seed N] [--first N] [--without-hints]
 
-PLANT is bead or pendulum, points are drawn by motions.py; hints are what a model says of its motion
+PLANT is bead or pendulum, points are drawn by campaign_motions.py; hints are what a model says of its motion
 beforehand (magnification). The reference is heyoka's Taylor integrator in long double, which
 shares neither method nor formula with the kernel. A point's conditioning is how much it magnifies
 a relative change of its numbers by CHANGE. It is wrong if its error exceeds MARGIN times tolerance
@@ -27,7 +27,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from benchmarks import ours
-from motions import PARTS, Motion, bead, pendulum
+from campaign_motions import PARTS, Motion, bead, pendulum
 
 from curvebound.fmi.watch import MAGNIFIED
 

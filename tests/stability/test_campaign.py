@@ -7,7 +7,7 @@ import random
 import numpy as np
 import pytest
 from campaign import PLANTS, Exact, campaign, difference, exact
-from motions import Motion
+from campaign_motions import Motion
 
 pytest.importorskip("heyoka")
 
