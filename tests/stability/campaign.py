@@ -2,11 +2,12 @@
 
     python tests/stability/campaign.py PLANT COUNT [--seed N] [--first N] [--without-hints]
 
-PLANT is bead or pendulum, points are drawn by campaign_motions.py; hints are what a model says of its motion
-beforehand (magnification). The reference is heyoka's Taylor integrator in long double, which
-shares neither method nor formula with the kernel. A point's conditioning is how much it magnifies
-a relative change of its numbers by CHANGE. It is wrong if its error exceeds MARGIN times tolerance
-times conditioning and no warning says so, doubtful if one does though it is well conditioned.
+PLANT is bead or pendulum, points are drawn by campaign_motions.py; hints are what a model says of
+its motion beforehand (magnification). The reference is heyoka's Taylor integrator in long double,
+which shares neither method nor formula with the kernel. A point's conditioning is how much it
+magnifies a relative change of its numbers by CHANGE. It is wrong if its error exceeds MARGIN times
+tolerance times conditioning and no warning says so, doubtful if one does though it is well
+conditioned.
 
 Needs heyoka (the extra `peers`) and a C compiler. Prints every point that is wrong, failed or dear.
 """
