@@ -1,10 +1,12 @@
-"""Build hook: the compiled kernels, for every platform for which this machine can compile.
+"""Build hooks: the kernels, compiled for every platform that this machine can; the README.
 
-They go into the wheel, or for an editable installation into the checkout, where git ignores them.
+The kernels go into the wheel, or for an editable installation into the checkout, where git ignores
+them.
 """
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 import tempfile
@@ -12,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 
 class CompiledKernels(BuildHookInterface[Any]):
@@ -32,3 +35,16 @@ class CompiledKernels(BuildHookInterface[Any]):
             self.app.display_warning(f"without compiled kernels {reason}")
         for path in folder.iterdir():
             build_data["force_include"][str(path)] = f"curvebound/_compiled/{path.name}"
+
+
+class Readme(MetadataHookInterface):
+    """The README as a package index shows it: links to files of the project by absolute address."""
+
+    PLUGIN_NAME = "custom"
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        home = metadata["urls"]["Homepage"]
+        text = (Path(self.root) / "README.md").read_text(encoding="utf-8")
+        text = re.sub(r"!\[([^]]*)\]\((?!http)", rf"![\1]({home}/raw/main/", text)
+        text = re.sub(r"(?<!!)\[([^]]*)\]\((?!http|#)", rf"[\1]({home}/blob/main/", text)
+        metadata["readme"] = {"content-type": "text/markdown", "text": text}

@@ -16,7 +16,7 @@ scene = Scene(
     "one drive shakes two beads of different formulation",
     stop_time=60.0,
     step=STEP,
-    needs={"bead_angle.bead.x": 1e-3, "bead_angle.bead.y": 1e-3},
+    needs={"bead_angle.bead.x": 2e-2, "bead_angle.bead.y": 2e-2},
 )
 scene.add(
     "drive",

@@ -19,6 +19,7 @@ from curvebound.arguments import file_of, positive, setting, whole
         (whole(1), {"1": 1, "12": 12}),
         (whole(0), {"0": 0}),
         (file_of(".csv"), {"a/b.csv": Path("a/b.csv"), "A.CSV": Path("A.CSV")}),
+        (file_of(".csv", ".npz"), {"a.csv": Path("a.csv"), "a.npz": Path("a.npz")}),
         (setting, {"a.b=1": ("a.b", "1"), " a = b=c ": ("a", "b=c"), "a=": ("a", "")}),
     ],
 )
@@ -33,6 +34,7 @@ def test_what_makes_sense_is_taken(parse: Callable[[str], Any], taken: dict[str,
         (whole(1), ["0", "-3", "1.0", "", "one"]),
         (whole(0), ["-1", "x"]),
         (file_of(".csv"), ["a.txt", "csv", "a.csv.gz"]),
+        (file_of(".csv", ".npz"), ["a.json", "a.npzz"]),
         (setting, ["a.b", "=1", " =1", ""]),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -10,7 +11,14 @@ from pathlib import Path
 import pytest
 
 README = Path(__file__).parents[1] / "README.md"
-BLOCKS = re.findall(r"(?ms)^```python\n(.*?)^```$", README.read_text(encoding="utf-8"))
+TEXT = README.read_text(encoding="utf-8")
+#: shell blocks after the two that .ci/run runs; that of a new system has tests of its own
+COMMANDS = [
+    block
+    for block in re.findall(r"(?ms)^```sh\n(.*?)^```$", TEXT)[2:]
+    if "bead_on_parabola" not in block
+]
+BLOCKS = re.findall(r"(?ms)^```python\n(.*?)^```$", TEXT)
 
 
 def test_the_readme_shows_code() -> None:
@@ -33,7 +41,44 @@ def test_python_of_the_readme_runs(number: int, fmus: Path, tmp_path: Path) -> N
 
 
 def test_the_first_two_shell_blocks_are_one_line_each() -> None:
-    blocks = re.findall(r"(?ms)^```sh\n(.*?)^```$", README.read_text(encoding="utf-8"))
+    blocks = re.findall(r"(?ms)^```sh\n(.*?)^```$", TEXT)
     assert len(blocks) >= 2
     for block in blocks[:2]:
         assert len(block.strip().splitlines()) == 1
+
+
+def in_a_shell(lines: str, folder: Path) -> None:
+    """Run lines as somebody does whose environment is active."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", lines], cwd=folder, capture_output=True, text=True,
+        env={**os.environ, "PATH": path},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr
+
+
+@pytest.mark.parametrize("number", range(len(COMMANDS)))
+def test_commands_of_the_readme_run_as_printed(number: int, tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    in_a_shell(COMMANDS[number], tmp_path)
+    for written in re.findall(r"--(?:out|replay|picture) (\S+\.\w+)", COMMANDS[number]):
+        assert (tmp_path / written).is_file(), written
+
+
+def test_the_workflow_of_the_readme_builds_checks_and_leaves_artefacts(tmp_path: Path) -> None:
+    """Its commands by hand, in a repository that holds a system of one's own."""
+    (workflow,) = re.findall(r"(?ms)^```yaml\n(.*?)^```$", TEXT)
+    install, *commands = re.findall(r"(?m)^ +- run: (.*)$", workflow)
+    assert install.startswith("pip install")
+    in_a_shell("curvebound new my_system", tmp_path)
+    in_a_shell("\n".join(commands), tmp_path)
+    assert (tmp_path / "build" / "MySystem.fmu").is_file()
+    report = (tmp_path / "build" / "check.xml").read_text(encoding="utf-8")
+    assert report.count("<testsuite ") == 2
+    assert "<failure" not in report
+
+
+def test_the_readme_is_short_and_names_files_that_are_there() -> None:
+    assert len(TEXT.splitlines()) <= 320
+    for address in re.findall(r"\]\((?!http|#)([^)]*)\)", TEXT):
+        assert (README.parent / address).is_file(), address

@@ -46,13 +46,13 @@ def whole(least: int) -> Callable[[str], int]:
     return parse
 
 
-def file_of(suffix: str) -> Callable[[str], Path]:
-    """A file whose name ends in `suffix`, as what is written into it is of that kind."""
+def file_of(*endings: str) -> Callable[[str], Path]:
+    """A file whose name has one of the endings, as what is written into it is of that kind."""
 
     def parse(text: str) -> Path:
         path = Path(text)
-        if path.suffix.lower() != suffix:
-            raise argparse.ArgumentTypeError(f"{text!r} does not end in {suffix}")
+        if path.suffix.lower() not in endings:
+            raise argparse.ArgumentTypeError(f"{text!r} does not end in {' or '.join(endings)}")
         return path
 
     return parse

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 import errno
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
-__all__ = ["CurveboundError", "OutsideError", "at", "reading", "remedy_of", "said"]
+__all__ = ["CurveboundError", "OutsideError", "at", "nearest", "reading", "remedy_of", "said"]
 
 
 class CurveboundError(Exception):
@@ -80,3 +81,15 @@ def reading(what: object, remedy: str = "") -> Iterator[None]:
 def remedy_of(error: BaseException) -> str:
     """What helps against a fault of the system, as a sentence; empty for any other."""
     return _REMEDIES.get(error.errno or 0, "") if isinstance(error, OSError) else ""
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A clause that suggests the known names nearest to `name`, or says what there is."""
+    known = list(known)
+    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    if close:
+        return f"did you mean {' or '.join(close)}?"
+    if not known:
+        return "there is none"
+    shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
+    return f"there is {shown}"

@@ -3,7 +3,7 @@
     python tests/benchmarks                   everything, one after the other (hours)
     python tests/benchmarks GROUP [...]       one group; GROUP --help shows its arguments
 
-groups: cost, pythons, macro, sweep, tune, facts, long, maps
+groups: cost, start, pythons, macro, sweep, tune, facts, long, maps
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from benchmarks import (
     maps_command,
     promises_command,
     pythons,
+    start,
     sweep_speed,
 )
 
@@ -30,6 +31,7 @@ from curvebound.errors import CurveboundError
 
 GROUPS = {
     "cost": (cost, "kernel and FMUs beside hand-written C, scipy, heyoka and MuJoCo"),
+    "start": (start, "CPU time of the command line's start"),
     "pythons": (pythons, "one FMU file under each CPython, in fmpy and in a C host"),
     "macro": (macro_step, "a macro step of a scene here and in other tools that read SSP"),
     "sweep": (sweep_speed, "two workers against one, and against fmpy.simulate_fmu in a loop"),

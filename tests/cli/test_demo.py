@@ -38,6 +38,24 @@ def test_demo_runs_what_it_built(
     assert "pendulum_small" in (tmp_path / "index.html").read_text(encoding="utf-8")
 
 
+def test_demo_fails_where_a_scene_misses_its_need(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def load(name: str) -> Scene:
+        scene = load_scene("bead_on_wire")
+        scene.stop_time = 1.0
+        scene.needs.errors = {"bead.bead.x": 1e-15, "bead.bead.y": 1.0}
+        return scene
+
+    monkeypatch.setattr("curvebound.cosim.scene_names", lambda: ["bead_on_wire"])
+    monkeypatch.setattr("curvebound.cosim.load_scene", load)
+    assert main(["demo", "--no-compile", "--out", str(tmp_path)]) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert "failed: bead_on_wire: The error of bead.bead.x reaches" in said
+    assert "m where the scene needs 1e-15" in said
+    assert "bead.bead.y" not in said
+
+
 BLOCKED = """
 import importlib.abc, sys
 

@@ -36,7 +36,7 @@ def test_a_variable_shows_unit_range_and_the_numbers_of_its_items(
     assert "BeadOnWire solver.method: time integration method" in text
     assert "start rk4" in text
     assert "4 adaptive" in text
-    assert "unit kg start 1 range 0.0 to inf" in shown(capsys, "bead.mass")
+    assert "unit kg start 1 range 0 to inf" in shown(capsys, "bead.mass")
     assert "changes while running" in shown(capsys, "limit.acceleration")
 
 

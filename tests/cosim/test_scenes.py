@@ -13,7 +13,7 @@ import pytest
 
 from curvebound.cli import main as command_line
 from curvebound.cosim import load_scene, read_csv, scene_names
-from curvebound.cosim.command import summarize
+from curvebound.cosim.command import summarize, summary
 from curvebound.cosim.instance import Library
 from curvebound.errors import CurveboundError
 from curvebound.places import scenarios_directory
@@ -192,7 +192,7 @@ def test_variants_on_the_command_line(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["bead_on_wire", "swaying_parabola"])
-def test_what_a_run_costs_is_stated_without_what_it_takes_to_load(name, monkeypatch, capsys):
+def test_what_a_run_costs_is_stated_without_what_it_takes_to_load(name, monkeypatch):
     """Of one FMU as of two: a loader that takes a second changes nothing in the cost of a step."""
     scene = load_scene(name)
     scene.stop_time = 1.0
@@ -206,8 +206,7 @@ def test_what_a_run_costs_is_stated_without_what_it_takes_to_load(name, monkeypa
     result = scene.run()
     assert result.wall > 1.0
     assert result.stepping < 0.5
-    summarize(name, result)
-    said = re.sub(r"\s+", " ", capsys.readouterr().out)
+    said = re.sub(r"\s+", " ", summarize(summary(name, result)))
     stated = re.search(r"simulated in (\S+) s, 100 steps, (\S+) us each", said)
     assert stated is not None, said
     assert float(stated[1]) == pytest.approx(result.stepping, rel=0.01)

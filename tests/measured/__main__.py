@@ -1,4 +1,4 @@
-"""Measure the figures that the README states, and write them there.
+"""Measure the figures that the READMEs state, and write them there.
 
     python tests/measured [GROUP ...]
 

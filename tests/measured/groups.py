@@ -1,4 +1,4 @@
-"""What the README and the FMUs' documentation state, measured: one function per group of figures.
+"""What the READMEs and the FMUs' documentation state, measured: one function per group of figures.
 
 Each returns plain data. Names in SPEED depend on the machine's speed and are not checked anew.
 """

@@ -11,7 +11,11 @@ __all__ = ["BLOCKS", "DOCUMENTS", "block", "blocks_in", "put"]
 
 Data = dict[str, Any]
 ROOT = Path(__file__).parents[2]
-DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "fmus").glob("*/documentation.html")))
+DOCUMENTS = (
+    ROOT / "README.md",
+    ROOT / "tests/benchmarks/README.md",
+    *sorted((ROOT / "fmus").glob("*/documentation.html")),
+)
 
 _BLOCK = re.compile(r"(<!-- measured: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
@@ -113,7 +117,7 @@ def block(name: str, entries: Data) -> str | None:
     if entry is None:
         return None
     text = render(entry["figures"])
-    if name == group:  # in the README
+    if name == group:  # in a README
         text += (
             f"\n<sub>{entry['date']}, {entry['machine']}: `python tests/measured {name}`</sub>\n"
         )

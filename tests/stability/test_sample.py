@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from benchmarks.references import REFERENCES
+from rich.console import Console
 
 from curvebound.fmi.declaration import INPUT, PARAMETER
 from curvebound.fmi.folder import find
@@ -266,7 +267,7 @@ def test_a_sample_is_summed_up_in_words(capsys: pytest.CaptureFixture[str]) -> N
         for k in range(1, 200)
     ]
     outcomes.append(Sampled(RandomPoint(7, {}), "failed", message="too many steps", seconds=0.5))
-    print_sample(outcomes, SampleSettings("ParabolaPendulum"), 11)
+    print_sample(Console(highlight=False), outcomes, SampleSettings("ParabolaPendulum"), 11)
     assert capsys.readouterr().out.splitlines() == [
         "ParabolaPendulum, 200 points, seed 11, adaptive at 1e-08, 10 characteristic times: "
         "199 accurate, 1 failed",

@@ -18,9 +18,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import NoReturn
 
-import shtab
-
-from .. import __version__
+from .. import __version__, output
 from ..errors import CurveboundError, remedy_of, said
 
 __all__ = ["main", "parser"]
@@ -32,6 +30,7 @@ _COMMANDS = (
     "new",
     "build",
     "run",
+    "check",
     "demo",
     "live",
     "replay",
@@ -43,6 +42,8 @@ _COMMANDS = (
     "sample",
     "linearize",
 )
+
+_SHELLS = ("bash", "zsh", "tcsh")
 
 _EPILOG = """\
 examples:
@@ -66,8 +67,29 @@ class _Parser(argparse.ArgumentParser):
         super().error(message)
 
 
-def parser() -> argparse.ArgumentParser:
-    """The parser of the whole command line."""
+class _Completion(argparse.Action):
+    """Prints the script and ends the program."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, _: object, shell: object, *__: object
+    ) -> None:
+        import shtab
+
+        commands = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+        for command in commands.choices.values():
+            for action in command._actions:
+                if action.metavar and re.search(r"FILE|\.fmu|DIR", str(action.metavar)):
+                    action.complete = shtab.FILE
+        print(shtab.complete(parser, str(shell)))
+        parser.exit()
+
+
+def parser(only: str | None = None, *, bare: bool = False) -> argparse.ArgumentParser:
+    """The parser of the whole command line.
+
+    only: with this command alone; bare: with the names of the commands, but not their arguments.
+    Both are quicker.
+    """
     root = _Parser(
         prog="curvebound",
         description="FMI 2.0 co-simulation FMUs of bodies bound to curves.",
@@ -76,9 +98,12 @@ def parser() -> argparse.ArgumentParser:
     )
     root.add_argument("-V", "--version", action="version", version=f"curvebound {__version__}")
     root.add_argument("--debug", action="store_true", help="show the traceback of an error as well")
-    shtab.add_argument_to(root, "--print-completion", help="print a completion script for a shell")
+    root.add_argument(
+        "--print-completion", choices=_SHELLS, action=_Completion,
+        help="print a completion script for a shell",
+    )  # fmt: skip
     commands = root.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for name in _COMMANDS:
+    for name in _COMMANDS if only is None else (only,):
         module = importlib.import_module(f".{name}", __name__)
         sub = commands.add_parser(
             module.NAME,
@@ -86,7 +111,10 @@ def parser() -> argparse.ArgumentParser:
             description=module.__doc__,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
+        if bare:
+            continue
         module.configure(sub)
+        output.configure(sub, json=getattr(module, "AS_JSON", False))
         sub.add_argument(
             "--debug",
             action="store_true",
@@ -104,11 +132,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     words = sys.argv[1:] if arguments is None else arguments
     if not words:
-        parser().print_help()
+        parser(bare=True).print_help()
         return 0
-    options = parser().parse_args(words)
+    command = next((word for word in words if not word.startswith("-")), "")
+    if command in _COMMANDS:
+        options = parser(command).parse_args(words)
+    else:
+        options = parser(bare="--print-completion" not in words).parse_args(words)
     try:
-        status: int = options.run(options)
+        with output.logging_to_stderr(options):
+            status: int = options.run(options)
         sys.stdout.flush()
     except CurveboundError as error:
         return _report(str(error), options.debug, error.status)

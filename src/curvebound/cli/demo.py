@@ -11,12 +11,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
+from ..output import console_of, hand_out
+from ..progress import Progress
 
 if TYPE_CHECKING:
     from ..cosim import Result, Scene
 
 NAME = "demo"
 HELP = "build the FMUs, run every scene, show what comes out"
+AS_JSON = True
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Build, run, print; exit status 1 when a scene failed, after all others have run."""
+    """Build, run, print; 1 when a scene failed or misses its needs, after all others have run."""
     from ..cosim import scene_names
     from ..files import sole_writer
     from ..fmi.folder import names
@@ -40,21 +43,21 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
     from rich.table import Table
     from rich.text import Text
 
     from ..cosim import RunFailed, load_scene, scene_names
+    from ..cosim.needs import errors_of, unmet
     from ..fmi.build import build
     from ..fmi.folder import names
     from ..study.extras import missing
 
-    console = Console(highlight=False)
+    console = console_of(options)
     out: Path = options.out
-    with console.status("building the FMUs (compiling takes half a minute the first time)"):
-        built: dict[str, Path] = {}
+    built: dict[str, Path] = {}
+    with Progress("building the FMUs (compiling takes a minute the first time)") as tell:
         for name in names():
+            tell(note=name)
             fmu = build(name, out, compiled=not options.no_compile)
             built[name] = fmu.path.resolve()
             console.print(fmu.message, soft_wrap=True, markup=False)
@@ -64,17 +67,14 @@ def _run(options: argparse.Namespace) -> int:
         table.add_column(heading, justify="right")
     failures: list[str] = []
     results: list[tuple[Scene, Result]] = []
-    with Progress(
-        TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(),
-        console=console, transient=True, disable=not console.is_terminal,
-    ) as progress:  # fmt: skip
-        scenes = scene_names()
-        task = progress.add_task("scenes", total=len(scenes))
-        for name in scenes:
-            progress.update(task, description=name)
+    data: list[dict[str, object]] = []
+    scenes = scene_names()
+    with Progress("running", len(scenes), "scenes") as tell:
+        for number, name in enumerate(scenes):
+            tell(number, note=name)
             try:
                 scene = load_scene(name)
-                scene.record(*_measures(scene))
+                scene.record(*_measures(scene), *scene.needs.errors)
                 for component in scene.components.values():
                     component.source = built.get(str(component.source), component.source)
                 result = scene.run()
@@ -83,8 +83,10 @@ def _run(options: argparse.Namespace) -> int:
                 failures.append(str(error))
             except CurveboundError as error:  # it cannot even begin here
                 failures.append(f"{name}: {error}")
-                progress.advance(task)
                 continue
+            else:
+                missed = unmet(scene, result, errors_of(scene, result))
+                failures += [f"{name}: {sentence}" for sentence in missed]
             result.write(out / f"{name}.csv")
             results.append((scene, result))
             table.add_row(
@@ -95,16 +97,26 @@ def _run(options: argparse.Namespace) -> int:
                 _largest(result, ".energy.residual", "J"),
                 _largest(result, ".constraint.drift", "m"),
             )
-            progress.advance(task)
+            data.append(
+                {
+                    "scene": name,
+                    "wall": result.wall,
+                    "steps": _last(result, ".solver.steps"),
+                    "residual": _most(result, ".energy.residual"),
+                    "drift": _most(result, ".constraint.drift"),
+                    "file": out / f"{name}.csv",
+                }
+            )
     console.print(table)
     console.print(f"results: {out}/*.csv")
     pictures = missing("plots")
-    with console.status("drawing the gallery"):
+    with Progress("drawing the gallery"):
         console.print(f"gallery: {_gallery(results, out, with_pictures=not pictures)}")
     if pictures:
         console.print(f"no pictures in it: {pictures}", soft_wrap=True, markup=False)
     for failure in failures:
         console.print(Text.assemble(("failed: ", "bold red"), failure))
+    hand_out(options, {"fmus": built, "scenes": data, "failures": failures})
     return 1 if failures else 0
 
 
@@ -178,5 +190,11 @@ def _last(result: Result, ending: str) -> int:
 
 
 def _largest(result: Result, ending: str, unit: str) -> str:
+    value = _most(result, ending)
+    return "" if value is None else f"{value:.1e} {unit}"
+
+
+def _most(result: Result, ending: str) -> float | None:
+    """The largest absolute value of the columns that end so; None without one."""
     values = [abs(result[name]).max() for name in _columns(result, ending) if len(result.data)]
-    return f"{max(values):.1e} {unit}" if values else ""
+    return float(max(values)) if values else None

@@ -10,6 +10,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..output import console_of
+
 NAME = "linearize"
 HELP = "the linear model of a system about a state, for control design"
 
@@ -39,7 +41,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print the matrices, and write them."""
-    from rich.console import Console
     from rich.table import Table
 
     from ..study.linear_model import linearize
@@ -51,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
         options.output,
         equilibrium=options.equilibrium,
     )
-    console = Console(highlight=False)
+    console = console_of(options)
     for title, matrix, rows, columns in (
         ("A", model.A, model.states, model.states),
         ("B", model.B, model.states, model.inputs),

@@ -1,20 +1,30 @@
-"""List scenes and FMUs with their variables.
+"""List scenes and FMUs, or the variables of FMUs.
 
 examples:
   curvebound list
   curvebound list ParabolaDrive
-  curvebound list others/Plant.fmu
+  curvebound list others/Plant.fmu --json
 """
 
 from __future__ import annotations
 
 import argparse
+import textwrap
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..errors import CurveboundError
+from ..output import console_of, hand_out
+
+if TYPE_CHECKING:
+    from ..fmi.declaration import Fmu, Variable
 
 NAME = "list"
 HELP = "show scenes, FMUs and their variables"
+AS_JSON = True
+
+_TYPES = {"choice": "Enumeration", "count parameter": "Integer"}
+_CAUSALITIES = {"choice": "parameter", "count parameter": "parameter", "count": "output"}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -23,47 +33,97 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "name",
         nargs="*",
         metavar="NAME",
-        help="only these FMUs, by name, file or system's folder (default: all of ours)",
+        help="the variables of these FMUs, by name, file or system's folder",
     )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print one table of scenes and one per FMU."""
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
+    """Print what there is, or the variables of what was named."""
+    if options.name:
+        return _variables(options)
+    scenes, fmus = _scenes(), _fmus()
+    if options.json:
+        hand_out(options, {"scenes": scenes, "fmus": fmus})
+        return 0
+    width = 2 + max(len(name) for name in (*scenes, *fmus))
+    for title, entries in (("scenes", scenes), ("FMUs", fmus)):
+        print(title)
+        for name, told in entries.items():
+            lines = textwrap.wrap(told, _columns() - width - 2) or [""]
+            print(f"  {name:{width}}{lines[0]}".rstrip())
+            for line in lines[1:]:
+                print(f"  {'':{width}}{line}")
+    print("\nMore of each, variables too: curvebound show NAME")
+    return 0
 
+
+def _columns() -> int:
+    import shutil
+
+    return max(60, shutil.get_terminal_size().columns)
+
+
+def _scenes() -> dict[str, str]:
+    """The description of each scene by name, or why it has none."""
     from ..cosim import load_scene, scene_names
-    from ..cosim.fmu import read_fmu
+
+    found = {}
+    for name in scene_names():
+        try:
+            found[name] = load_scene(name).description
+        except CurveboundError as error:  # the others are worth listing all the same
+            found[name] = str(error)
+    return found
+
+
+def _fmus() -> dict[str, str]:
     from ..fmi.folder import find, names
+
+    return {name: find(name).declaration().description for name in names()}
+
+
+def _variables(options: argparse.Namespace) -> int:
+    from ..fmi.folder import find
     from .show import show_fmu
 
-    console = Console(highlight=False)
-    if not options.name:
-        scenes = Table("scene", "what it shows", box=None, pad_edge=False)
-        for scene in scene_names():
-            try:
-                shows = load_scene(scene).description
-            except CurveboundError as error:  # the others are worth listing all the same
-                shows = str(error)
-            scenes.add_row(scene, escape(shows))
-        console.print(scenes)
-    for name in options.name or names():
+    data = []
+    for name in options.name:
         if Path(name).suffix.lower() == ".fmu":
-            show_fmu(console, read_fmu(Path(name)))
-            continue
-        fmu = find(name).fmu()
-        table = Table(
-            "variable", "kind", "unit", "start", title=f"\n{fmu.name}: {fmu.description}",
-            title_justify="left", box=None, pad_edge=False,
-        )  # fmt: skip
-        for variable in fmu.ordered():
-            start = ""
-            if variable.type:
-                start = variable.type.items[int(variable.start) - 1][0]
-            elif variable.kind not in ("output", "count"):
-                start = f"{variable.start:g}"
-            kind = variable.kind.replace("choice", "enumeration").replace("count", "integer")
-            table.add_row(variable.name, kind, variable.unit, start)
-        console.print(table)
+            from ..cosim.fmu import read_fmu
+            from .show import fmu_data
+
+            data.append(fmu_data(read_fmu(Path(name))))
+        else:
+            data.append(_as_data(find(name).declaration()))
+    hand_out(options, {"fmus": data})
+    if not options.json:
+        console = console_of(options)
+        for one in data:
+            show_fmu(console, one)
     return 0
+
+
+def _as_data(fmu: Fmu) -> dict[str, Any]:
+    """An FMU's declaration in the form of show.fmu_data, as far as it goes, without building it."""
+    return {
+        "name": fmu.name,
+        "description": fmu.description,
+        "variables": [
+            {
+                "name": variable.name,
+                "description": variable.description,
+                "type": _TYPES.get(variable.kind, "Real"),
+                "causality": _CAUSALITIES.get(variable.kind, variable.kind),
+                "variability": "tunable" if variable.tunable else None,
+                "unit": variable.unit,
+                "start": _start(variable),
+            }
+            for variable in fmu.ordered()
+        ],
+    }
+
+
+def _start(variable: Variable) -> float | str | None:
+    if variable.type:
+        return variable.type.items[int(variable.start) - 1][0]
+    return None if variable.kind in ("output", "count") else variable.start

@@ -20,6 +20,7 @@ from pathlib import Path
 from string import Template
 
 from ..errors import CurveboundError
+from ..output import say
 
 NAME = "new"
 HELP = "write a system of your own"
@@ -63,8 +64,8 @@ def run(options: argparse.Namespace) -> int:
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(Template(text).substitute(words), encoding="utf-8")
             made.append(target.name)
-    print(f"{folder}: {', '.join(sorted(made))}")
-    print(f"  curvebound build {folder}")
-    print(f"  curvebound run {folder / 'scene.py'} --replay")
-    print(f"  pytest {folder}")
+    say(options, f"{folder}: {', '.join(sorted(made))}")
+    say(options, f"  curvebound build {folder}")
+    say(options, f"  curvebound run {folder / 'scene.py'} --replay")
+    say(options, f"  pytest {folder}")
     return 0

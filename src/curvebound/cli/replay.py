@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..arguments import file_of
+from ..output import say
 
 if TYPE_CHECKING:
     from ..fmi.drawing import Drawing
@@ -29,15 +30,12 @@ HELP = "replay results in the browser, side by side"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    import shtab
-
-    results = parser.add_argument(
+    parser.add_argument(
         "results",
         nargs="+",
         metavar="[LABEL=]FILE.csv",
         help="results, the first being the one that the others are compared with",
     )
-    results.complete = shtab.FILE  # type: ignore[attr-defined]
     parser.add_argument(
         "--out", type=Path, metavar="FILE.html", help="default: beside the first result"
     )
@@ -86,9 +84,9 @@ def run(options: argparse.Namespace) -> int:
     if options.gif:
         written.append(write_gif(results, options.gif, known))
     for note in notes:
-        print(f"note: {note}")
+        say(options, f"note: {note}")
     for path in written:
-        print(f"{path} ({path.stat().st_size / 1e6:.2f} MB)")
+        say(options, f"{path} ({path.stat().st_size / 1e6:.2f} MB)")
     if options.open:
         import webbrowser
 

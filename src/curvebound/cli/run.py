@@ -15,12 +15,14 @@ from typing import TYPE_CHECKING
 
 from ..arguments import file_of
 from ..cosim.options import configure as _configure
+from ..output import say
 
 if TYPE_CHECKING:
     from ..cosim import Result, Scene
 
 NAME = "run"
 HELP = "run a scene or an SSP file"
+AS_JSON = True
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -46,23 +48,23 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run, print a table, and write what was asked for."""
     from ..cosim import load_scene
-    from ..cosim.command import run_all, summarize
+    from ..cosim.command import run_all
 
     scene = load_scene(options.scene)
     drawn = options.replay is not None or options.picture is not None or options.gif is not None
     if drawn and not scene.recorded:  # more than what the scene needs, to see it move
         scene.record(*(f"{name}.*" for name in scene.components))
-    results = run_all(scene, options, summarize)
+    results = run_all(scene, options)
     if options.replay is not None:
-        print(_replay(scene, options, results))
+        say(options, str(_replay(scene, options, results)))
     if options.picture is not None:
         from ..view import write_picture
 
-        print(write_picture(results, options.picture))
+        say(options, str(write_picture(results, options.picture)))
     if options.gif is not None:
         from ..view import write_gif
 
-        print(write_gif(results, options.gif))
+        say(options, str(write_gif(results, options.gif)))
     return 0
 
 

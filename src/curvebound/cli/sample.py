@@ -14,15 +14,18 @@ import argparse
 from pathlib import Path
 
 from ..arguments import positive, whole
-from ..kernel.methods import METHODS
-from .bar import progress_bar
+from ..output import console_of, hand_out
+from ..progress import Progress
 
 NAME = "sample"
 HELP = "run random points of a system's ranges against exact references"
+AS_JSON = True
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
+    from ..kernel.methods import METHODS  # with all of them, which `--help` alone does without
+
     parser.add_argument(
         "systems", nargs="*", metavar="SYSTEM", help="name or folder (default: the shipped ones)"
     )
@@ -43,14 +46,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Draw, run, judge, print; status 1 where a sample misses."""
-    from rich.console import Console
+    from collections import Counter
 
     from ..files import sole_writer
     from ..study.stability.ranges import systems
     from ..study.stability.sample import SampleSettings, run_sample
     from ..study.stability.sample_report import passes, print_sample, write_sample
 
-    console = Console(highlight=False)
+    console = console_of(options)
+    data = []
     files = {
         system: options.out / f"sample_{Path(system).name}.csv"
         for system in options.systems or systems()
@@ -60,20 +64,18 @@ def run(options: argparse.Namespace) -> int:
         with sole_writer(*files.values()):
             for system, file in files.items():
                 settings = SampleSettings(system, options.method, options.tolerance, options.times)
-                with progress_bar(console) as bar:
-                    task = bar.add_task(f"sample of the {system}", total=options.points, note="")
+                with Progress(f"sample of the {system}", options.points, "points") as tell:
                     outcomes = run_sample(
-                        settings,
-                        options.points,
-                        options.seed,
-                        jobs=options.jobs,
-                        progress=lambda n, bar=bar, task=task: bar.update(task, completed=n),  # type: ignore[misc]
+                        settings, options.points, options.seed, jobs=options.jobs, progress=tell
                     )
-                print_sample(outcomes, settings, options.seed)
-                console.print(str(write_sample(outcomes, file)))
+                print_sample(console, outcomes, settings, options.seed)
+                console.print(str(write_sample(outcomes, file)), soft_wrap=True)
+                verdicts = dict(Counter(one.verdict for one in outcomes))
+                data.append({"system": system, "verdicts": verdicts, "file": file})
                 good = passes(outcomes) and good
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             "stopped by the keyboard; files named above are whole, nothing else is kept"
         ) from None
+    hand_out(options, data)
     return 0 if good else 1

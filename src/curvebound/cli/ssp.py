@@ -15,6 +15,7 @@ import argparse
 from pathlib import Path
 
 from ..cosim.options import configure_changes as _configure_changes
+from ..output import say
 
 NAME = "ssp"
 HELP = "write a scene as an SSP package"
@@ -38,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
 
     scene = changed(load_scene(options.scene), options)
     path = write_ssp(scene, options.out or inside(Path(), scene.name, ".ssp"))
-    print(path)
-    print("\nfmpy gives the scene's parameters to its FMUs only if it is told to:\n")
-    print(in_fmpy(scene, path))
+    say(options, str(path))
+    say(options, "\nfmpy gives the scene's parameters to its FMUs only if it is told to:\n")
+    say(options, in_fmpy(scene, path))
     return 0

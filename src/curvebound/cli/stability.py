@@ -15,15 +15,18 @@ from pathlib import Path
 from typing import Any
 
 from ..arguments import positive, setting, whole
-from ..kernel.methods import METHODS
-from .bar import progress_bar
+from ..output import console_of, hand_out
+from ..progress import Progress
 
 NAME = "stability"
 HELP = "map where the methods break, over a parameter and the step"
+AS_JSON = True
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
+    from ..kernel.methods import METHODS  # with all of them, which `--help` alone does without
+
     parser.add_argument("scene", metavar="SCENE", help="a .py file or a scene's name")
     parser.add_argument(
         "--vary",
@@ -107,20 +110,14 @@ def _maps(
     options: argparse.Namespace, requests: list[Any], units: dict[Any, str], folder: Path
 ) -> bool:
     """Whether something is known in each map."""
-    from rich.console import Console
-
     from ..study.stability.map_report import nothing_known, write_index, write_map
     from ..study.stability.maps import make_maps
 
-    console = Console(highlight=False)
+    console = console_of(options)
     pages = []
+    data = []
     good = True
-    with progress_bar(console) as bar:
-        task = bar.add_task("", total=None, note="")
-
-        def tell(done: int, count: int, path: str) -> None:
-            bar.update(task, completed=done, total=count, description=path)
-
+    with Progress("map", unit="columns") as tell:
         for request, maps in make_maps(requests, jobs=options.jobs, progress=tell):
             page = write_map(
                 request, maps, folder.name, units[request], folder, plots=not options.no_plots
@@ -128,8 +125,10 @@ def _maps(
             pages.append((request.axis.path, page))
             console.print(f"{request.axis.path}: {page}", soft_wrap=True)
             why = nothing_known(maps)
+            data.append({"vary": request.axis.path, "page": page, "empty": why})
             if why:
                 good = False
                 console.print(f"nothing is known at any value: {why}", soft_wrap=True)
     write_index(pages, folder)
+    hand_out(options, {"scene": folder.name, "maps": data})
     return good

@@ -13,10 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from ..arguments import positive
-from .bar import progress_bar
+from ..output import console_of, hand_out
+from ..progress import Progress
 
 NAME = "study"
 HELP = "measure error and cost of every setting of a scene"
+AS_JSON = True
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -51,8 +53,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run or resume; exit status 1 when it was interrupted."""
-    from rich.console import Console
-
     from ..cosim import load_scene, scene_names
     from ..files import inside, remove, sole_writer
     from ..study.extras import require
@@ -62,7 +62,8 @@ def run(options: argparse.Namespace) -> int:
     require("study")
     if not options.no_plots:
         require("plots")
-    console = Console(highlight=False)
+    console = console_of(options)
+    data = []
     names = scene_names() if options.scenes == ["all"] else options.scenes
     for name in names:
         scene = load_scene(name)
@@ -73,14 +74,7 @@ def run(options: argparse.Namespace) -> int:
             if options.restart:
                 remove(journal)
             interrupted = False
-            with progress_bar(console) as bar:
-                task = bar.add_task(scene.name, total=None, note="")
-
-                def tell(
-                    done: int, count: int, label: str, bar: Any = bar, task: Any = task
-                ) -> None:
-                    bar.update(task, completed=done, total=count, note=label)
-
+            with Progress(f"study of {scene.name}", unit="settings") as tell:
                 try:
                     study.run(journal, tell)
                 except KeyboardInterrupt:
@@ -93,6 +87,7 @@ def run(options: argparse.Namespace) -> int:
             )
             return 1
         _print(console, study, page)
+        data.append(_as_data(study, page))
     with sole_writer(options.out / "index.html", wait=True):  # the last one sees all studies
         overview = write_overview(options.out, plots=not options.no_plots)
     if overview is not None:
@@ -101,7 +96,20 @@ def run(options: argparse.Namespace) -> int:
         for text in sentences:
             console.print(f"- {text}", soft_wrap=not console.is_terminal)
         console.print(str(page), soft_wrap=True)
+    hand_out(options, data)
     return 0
+
+
+def _as_data(study: Any, page: Path) -> dict[str, Any]:
+    from ..study.precision.lessons import crossings, lessons
+
+    return {
+        "scene": study.scene.name,
+        "page": str(page),
+        "cheapest": [{"error": level, "setting": row} for level, row in crossings(study.rows)],
+        "lessons": lessons(study.rows),
+        "references": study.references,
+    }
 
 
 def _print(console: Any, study: Any, page: Path) -> None:

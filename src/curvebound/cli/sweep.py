@@ -14,10 +14,12 @@ import argparse
 from pathlib import Path
 
 from ..arguments import setting, whole
-from .bar import progress_bar
+from ..output import console_of, hand_out
+from ..progress import Progress
 
 NAME = "sweep"
 HELP = "run a scene over a range of parameters"
+AS_JSON = True
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -65,8 +67,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Sweep; a failed point is a row with its message, and no failure of the sweep."""
-    from rich.console import Console
-
     from ..errors import CurveboundError
     from ..files import inside
     from ..study.extras import require
@@ -84,13 +84,11 @@ def run(options: argparse.Namespace) -> int:
     out = options.out or inside(Path("build", "sweep"), sweep.scene.name, ".csv")
     if options.map and out.suffix != ".csv":
         raise CurveboundError("--map draws from a CSV: give an --out that ends in .csv.")
-    console = Console(highlight=False)
-    with progress_bar(console) as bar:
-        task = bar.add_task(sweep.scene.name, total=len(design), note="")
+    console = console_of(options)
+    with Progress(f"sweep of {sweep.scene.name}", len(design), "points") as show:
 
         def tell(done: int, count: int, failed: int) -> None:
-            note = f"{failed} failed" if failed else ""
-            bar.update(task, completed=done, total=count, note=note)
+            show(done, count, f"{failed} failed" if failed else "")
 
         try:
             result = sweep.run(
@@ -110,9 +108,13 @@ def run(options: argparse.Namespace) -> int:
     if result.failed:
         text += f"; {result.failed} failed, see the column message"
     console.print(text, soft_wrap=True)
+    drawn = []
     if options.map:
         from ..study.sweep.heatmap import draw_heat_map
 
-        for path in draw_heat_map(result.path, design, sweep.metrics, out.with_suffix("")):
+        drawn = list(draw_heat_map(result.path, design, sweep.metrics, out.with_suffix("")))
+        for path in drawn:
             console.print(str(path), soft_wrap=True)
+    data = {"file": result.path, "points": result.points, "run": result.run}
+    hand_out(options, {**data, "failed": result.failed, "maps": drawn})
     return 0

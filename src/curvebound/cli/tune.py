@@ -13,9 +13,12 @@ import math
 from typing import Any
 
 from ..arguments import positive, setting
+from ..output import console_of, hand_out
+from ..progress import Progress
 
 NAME = "tune"
 HELP = "choose the cheapest setting that meets a scene's needs"
+AS_JSON = True
 
 
 def _bound(text: str) -> tuple[str, float]:
@@ -73,21 +76,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Tune and print; exit status 1 where nothing fits, or a budget is not kept."""
-    from rich.console import Console
-
     from ..cosim import scene_names
     from ..study.extras import require
 
     require("study")
-    console = Console(highlight=False)
+    console = console_of(options)
+    data: list[dict[str, Any]] = []
     names = scene_names() if options.scenes == ["all"] else options.scenes
     status = 0
     for name in names:
-        status = max(status, _tune(options, name, console))
+        status = max(status, _tune(options, name, console, data))
+    hand_out(options, data)
     return status
 
 
-def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
+def _tune(options: argparse.Namespace, name: str, console: Any, data: list[dict[str, Any]]) -> int:
+    """Tune one scene, and append what was found to `data`."""
     from ..cosim import load_scene
     from ..errors import CurveboundError
     from ..study.settings import study_outputs
@@ -122,11 +126,9 @@ def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
         keep=dict(options.keep),
     )
     budget = options.budget if options.budget is not None else scene.needs.budget
-    with console.status(f"{scene.name}: reference") as status:
+    with Progress(f"tuning {scene.name}") as tell:
         try:
-            choice = tuner.tune(
-                bounds, budget=budget, progress=lambda text: status.update(f"{scene.name}: {text}")
-            )
+            choice = tuner.tune(bounds, budget=budget, progress=lambda text: tell(note=text))
         finally:
             tuner.close()
     lines = _words(scene, bounds, choice, budget)
@@ -137,6 +139,7 @@ def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
         )
     for line in lines:
         console.print(line, soft_wrap=not console.is_terminal)
+    data.append(_as_data(scene, bounds, choice))
     if choice.chosen is None:
         return 1
     if script is not None:
@@ -146,6 +149,24 @@ def _tune(options: argparse.Namespace, name: str, console: Any) -> int:
         put_choice(script, block)
         console.print(f"written into {script}")
     return 0 if choice.within_budget else 1
+
+
+def _as_data(scene: Any, bounds: dict[str, float], choice: Any) -> dict[str, Any]:
+    best = choice.best
+    return {
+        "scene": scene.name,
+        "bounds": bounds,
+        "fits": choice.chosen is not None,
+        "within_budget": choice.within_budget,
+        "setting": _setting(best),
+        "step": best.setting.step,
+        "algorithm": best.setting.algorithm,
+        "cpu_per_second": best.cpu,
+        "errors": {path: verdict.worst for path, verdict in best.verdicts.items()},
+        "sure": choice.sure,
+        "runs": choice.runs,
+        "judged_until": choice.until,
+    }
 
 
 def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | None) -> list[str]:

@@ -4,92 +4,57 @@ from __future__ import annotations
 
 import argparse
 import sys
-import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from .. import output
 from ..errors import CurveboundError, remedy_of, said
 from ..files import inside, sole_writer
+from ..output import aligned, hand_out, say
+from ..progress import Progress
 from .options import chosen, configure
 from .prepared import Prepared
 from .results import Result, RunFailed, RunInterrupted
 from .scene_data import SceneData
 
-__all__ = ["Progress", "main", "run_all", "summarize"]
-
-
-class Progress:
-    """A progress bar that appears once a run has taken a second, on a terminal only."""
-
-    def __init__(self, label: str, start: float, stop: float) -> None:
-        self._label = label
-        self._start = start
-        self._span = stop - start
-        self._shown_from = clock.perf_counter() + 1.0
-        self._bar: Any = None
-        self._task: Any = None
-
-    def __enter__(self) -> Progress:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-
-    def __call__(self, time: float) -> None:
-        if self._bar is None:
-            if clock.perf_counter() < self._shown_from or not sys.stderr.isatty():
-                return
-            from rich.console import Console
-            from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-            from rich.progress import Progress as Bar
-
-            self._bar = Bar(
-                TextColumn("{task.description}"),
-                BarColumn(),
-                TextColumn("{task.fields[time]:.4g} s"),
-                TimeRemainingColumn(),
-                console=Console(stderr=True),
-                transient=True,
-            )
-            self._bar.start()
-            self._task = self._bar.add_task(self._label, total=self._span, time=time)
-        self._bar.update(self._task, completed=time - self._start, time=time)
+__all__ = ["main", "run_all", "summarize", "summary"]
 
 
 def run_all(
     scene: SceneData,
     options: argparse.Namespace,
-    report: Callable[[str, Result], None],
 ) -> list[tuple[str, Result]]:
-    """Run what the options ask for; each result is reported, and written, as soon as it is there.
+    """Run what the options ask for; each result is told, and written, as soon as it is there.
 
     A run that fails or is interrupted writes what it has before the error goes on.
     """
     scenes = chosen(scene, options)
     files = {label: _file(options.out, label, len(scenes)) for label, _ in scenes if options.out}
     results = []
+    data = []
     with sole_writer(*files.values()):
         for label, one in scenes:
-            result = _run_one(label, one, files.get(label))
-            report(label, result)
+            result = _run_one(label, one, files.get(label), with_units=options.units)
+            data.append({**summary(label, result), "file": files.get(label)})
+            say(options, summarize(data[-1]))
             results.append((label, result))
+    hand_out(options, data)
     return results
 
 
-def _run_one(label: str, scene: SceneData, out: Path | None) -> Result:
-    with Progress(label, scene.start_time, scene.stop_time) as progress:
+def _run_one(label: str, scene: SceneData, out: Path | None, *, with_units: bool) -> Result:
+    with Progress(label, scene.stop_time - scene.start_time, "s") as progress:
         try:
             with Prepared(scene) as prepared:
-                result = prepared.run(progress=progress)
+                result = prepared.run(progress=lambda time: progress(time - scene.start_time))
         except (RunFailed, RunInterrupted) as error:
             if out is not None and len(error.result.data):
-                written = error.result.write(out)
+                written = error.result.write(out, with_units=with_units)
                 raise CurveboundError(f"{error} The result up to there is in {written}.") from error
             raise CurveboundError(str(error)) from error
     if out is not None:
-        result.write(out)
+        result.write(out, with_units=with_units)
     return result
 
 
@@ -99,47 +64,61 @@ def _file(out: Path, label: str, count: int) -> Path:
     return out.with_name(f"{out.stem}_{inside(Path(), label, out.suffix)}")
 
 
-def summarize(label: str, result: Result) -> None:
-    """Print one table of a result: what it cost, and where each recorded output went."""
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    console = Console(highlight=False)
-    steps = f"{result.steps} steps"
-    if result.trials != result.steps:
-        steps += f" ({result.trials} with trials)"
-    cost = result.stepping / max(1, result.trials) * 1e6
-    simulated = float(result.time[-1] - result.time[0])
-    spent = (
-        f"{simulated:.6g} s simulated in {result.stepping:.3g} s, {steps}, {cost:.3g} us each"
-        f" (and {result.wall - result.stepping:.3g} s to load and initialize)"
-    )
-    console.print(Text.assemble((label, "bold"), ": ", spent), soft_wrap=True)
-    for note in result.notes:
-        console.print(note, style="dim", markup=False)
-    table = Table(box=None, pad_edge=False)
-    table.add_column("output", overflow="fold")
-    table.add_column("unit")
-    for heading in ("smallest", "largest", "at the end"):
-        table.add_column(heading, justify="right")
+def summary(label: str, result: Result) -> dict[str, Any]:
+    """What a run cost, and where each recorded output went, as data."""
+    outputs = {}
     for name in result.names:
         column = result[name].astype(float)
-        numbers = [f"{v:.6g}" for v in (column.min(), column.max(), column[-1])]
-        table.add_row(name, result.units.get(name, ""), *numbers)
-    console.print(table)
+        outputs[name] = {
+            "unit": result.units.get(name, ""),
+            "smallest": float(column.min()),
+            "largest": float(column.max()),
+            "end": float(column[-1]),
+        }
+    return {
+        "label": label,
+        "scene": result.scene,
+        "simulated": float(result.time[-1] - result.time[0]),
+        "stepping": result.stepping,
+        "wall": result.wall,
+        "steps": result.steps,
+        "trials": result.trials,
+        "rejected": result.rejected,
+        "notes": result.notes,
+        "outputs": outputs,
+    }
+
+
+def summarize(data: Mapping[str, Any]) -> str:
+    """A summary as a table, with what was noted."""
+    steps = f"{data['steps']} steps"
+    if data["trials"] != data["steps"]:
+        steps += f" ({data['trials']} with trials)"
+    cost = data["stepping"] / max(1, data["trials"]) * 1e6
+    spent = (
+        f"{data['label']}: {data['simulated']:.6g} s simulated in {data['stepping']:.3g} s, "
+        f"{steps}, {cost:.3g} us each (and {data['wall'] - data['stepping']:.3g} s to load and "
+        "initialize)"
+    )
+    rows = [["output", "unit", "smallest", "largest", "at the end"]]
+    for name, one in data["outputs"].items():
+        numbers = (f"{one[which]:.6g}" for which in ("smallest", "largest", "end"))
+        rows.append([name, one["unit"], *numbers])
+    return "\n".join([spent, *data["notes"], aligned(rows, left=2)])
 
 
 def main(scene: SceneData, arguments: Sequence[str] | None = None) -> int:
     """Run `scene` as a script; returns the exit status: 0, 1 failed, 2 wrong usage."""
     parser = argparse.ArgumentParser(description=scene.description)
     configure(parser)
+    output.configure(parser, json=True)
     options = parser.parse_args(arguments)
     file = getattr(sys.modules.get("__main__"), "__file__", None)
     if scene.folder is None and file is not None:
         scene.folder = Path(file).resolve().parent
     try:
-        run_all(scene, options, summarize)
+        with output.logging_to_stderr(options):
+            run_all(scene, options)
     except CurveboundError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.status

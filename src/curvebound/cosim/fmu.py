@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import atexit
-import difflib
 import math
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +24,6 @@ __all__ = [
     "Variable",
     "extracted",
     "loading",
-    "nearest",
     "read_fmu",
 ]
 
@@ -126,6 +124,7 @@ class Fmu:
     undeclared: frozenset[str]
     initial_dependencies: dict[str, tuple[str, ...]]
     can_roll_back: bool
+    can_serialize: bool
     can_vary_step: bool
     only_once_per_process: bool
     start_time: float | None
@@ -143,18 +142,6 @@ class Fmu:
     def outputs(self) -> list[str]:
         """Names of the outputs, in the order of the description."""
         return [v.name for v in self.variables.values() if v.causality == "output"]
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """A clause that suggests the known names nearest to `name`, or says what there is."""
-    known = list(known)
-    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
-    if close:
-        return f"did you mean {' or '.join(close)}?"
-    if not known:
-        return "there is none"
-    shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
-    return f"there is {shown}"
 
 
 _read: dict[tuple[str, int, int], Fmu] = {}
@@ -284,6 +271,7 @@ def _described(path: Path) -> Fmu:
         undeclared=undeclared,
         initial_dependencies=initial,
         can_roll_back=bool(kind.canGetAndSetFMUstate),
+        can_serialize=bool(kind.canSerializeFMUstate),
         can_vary_step=bool(kind.canHandleVariableCommunicationStepSize),
         only_once_per_process=bool(kind.canBeInstantiatedOnlyOncePerProcess),
         start_time=_number(experiment and experiment.startTime, "startTime"),

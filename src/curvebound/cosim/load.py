@@ -7,11 +7,9 @@ import importlib.util
 import sys
 from pathlib import Path
 
-from ..errors import CurveboundError, OutsideError
+from ..errors import CurveboundError, OutsideError, nearest
 from ..places import scenarios_directory
-from .fmu import nearest
 from .scene import Scene
-from .ssp_read import read_ssp
 
 __all__ = ["load_scene", "scene_names"]
 
@@ -42,6 +40,8 @@ def load_scene(which: str | Path) -> Scene:
     """
     path = Path(which)
     if path.suffix == ".ssp":
+        from .ssp_read import read_ssp  # and fmpy, which scenes in Python need later if at all
+
         return read_ssp(path)
     if path.suffix != ".py":
         path = scenarios_directory() / f"{which}.py"

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TypeVar
 
-from ..arguments import seconds, setting
+from ..arguments import file_of, seconds, setting
 from .scene_data import SceneData
 from .scene_parts import ALGORITHMS, Adaptive
 
-__all__ = ["changed", "chosen", "configure", "configure_changes"]
+#: endings of results' names, see curvebound.cosim.formats
+FORMATS = (".csv", ".json", ".parquet", ".npz")
+
+__all__ = ["FORMATS", "changed", "chosen", "configure", "configure_changes"]
 
 AnyScene = TypeVar("AnyScene", bound=SceneData)
 
@@ -44,7 +46,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--variants", action="store_true", help="run the scene and all its variants"
     )
-    parser.add_argument("--out", metavar="FILE.csv", type=Path, help="write the result here")
+    parser.add_argument(
+        "--out",
+        metavar="FILE",
+        type=file_of(*FORMATS),
+        help="write the result here; the name's ending is the format: " + ", ".join(FORMATS),
+    )
+    parser.add_argument(
+        "--units",
+        action="store_true",
+        help="in a CSV, write units behind the names: 'body.x [m]', as pandas, "
+        "spreadsheets and `curvebound replay` read them",
+    )
 
 
 def chosen(scene: AnyScene, options: argparse.Namespace) -> list[tuple[str, AnyScene]]:

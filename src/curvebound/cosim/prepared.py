@@ -6,12 +6,12 @@ import time as clock
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, nearest
 from .adaptive import adaptive_steps
 from .algorithms import advance_of
 from .counters import Counters
 from .exchange import Exchange
-from .fmu import Value, nearest
+from .fmu import Value
 from .instance import CallFailed, Ended, Instance, Library, Log
 from .loops import LoopFailed
 from .points import count_steps, macro_steps

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from ..errors import CurveboundError, OutsideError
+from ..errors import CurveboundError, OutsideError, nearest
 from .capabilities import lacking, located, stops
-from .fmu import Fmu, Value, Variable, nearest, read_fmu
+from .fmu import Fmu, Value, Variable, read_fmu
 from .ordering import Ordering
 from .scene_data import SceneData
 from .scene_parts import ALGORITHMS, Component

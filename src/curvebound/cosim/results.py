@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -19,6 +20,9 @@ from ..files import write_whole
 from ..fmi.drawing import Drawing
 
 __all__ = ["Result", "RunFailed", "RunInterrupted", "as_csv", "read_csv", "write_csv"]
+
+#: a unit behind a column's name
+_UNIT = re.compile(r" \[[^]]*\]$")
 
 Table = NDArray[Any]  # structured: time, then one column per variable
 
@@ -77,13 +81,15 @@ class Result:
     def __getitem__(self, name: str) -> NDArray[Any]:
         return np.asarray(self.data[name])
 
-    def write(self, path: Path | str) -> Path:
-        """Keep the data as CSV: floats by repr, so that reading gives the same bits.
+    def write(self, path: Path | str, *, with_units: bool = False) -> Path:
+        """Keep the data as CSV, JSON, Parquet or NPZ: as the name ends, every digit kept.
 
         Parameters
         ----------
         path : Path or str
-            The file, which appears whole or not at all.
+            The file, which appears whole or not at all: .csv, .json, .parquet or .npz.
+        with_units : bool
+            In a CSV, write units behind the names, as in ``a.x [m]``.
 
         Returns
         -------
@@ -93,9 +99,11 @@ class Result:
         Raises
         ------
         CurveboundError
-            It cannot be written.
+            It cannot be written, or has another ending.
         """
-        return write_csv(self.data, path)
+        from .formats import write_table
+
+        return write_table(self.data, Path(path), self.units, with_units=with_units)
 
 
 class RunFailed(CurveboundError):
@@ -131,8 +139,10 @@ class RunInterrupted(KeyboardInterrupt):
         self.time = failed.time
 
 
-def write_csv(data: Table, path: Path | str) -> Path:
+def write_csv(data: Table, path: Path | str, units: Mapping[str, str] | None = None) -> Path:
     """Write a structured array as CSV: a header of its names, then one line per row.
+
+    units: what to write in brackets behind names, such as `time [s]`, which read_csv leaves out.
 
     Floats are written by repr, so that reading gives the same bits; integers and Booleans (as 0
     and 1) without a point. The file appears whole or not at all; CurveboundError where it cannot.
@@ -140,7 +150,8 @@ def write_csv(data: Table, path: Path | str) -> Path:
     columns: dict[str, list[float]] = {}
     for name in data.dtype.names or ():
         column = data[name]
-        columns[name] = (column.astype(int) if column.dtype.kind in "biu" else column).tolist()
+        head = f"{name} [{units[name]}]" if units and name in units else name
+        columns[head] = (column.astype(int) if column.dtype.kind in "biu" else column).tolist()
     text = as_csv(columns)
     return write_whole(Path(path), lambda to: to.write_text(text, encoding="utf-8", newline="\n"))
 
@@ -186,7 +197,7 @@ def _table(path: Path) -> Table:
                 rows.append(row)
     if not rows:
         raise ValueError("it is empty; a table begins with a line of column names")
-    names = [undefused(name).strip().strip('"') for name in rows[0]]
+    names = [_UNIT.sub("", undefused(name).strip().strip('"')) for name in rows[0]]
     for number, name in enumerate(names, 1):
         if not name:
             raise ValueError(f"column {number} has no name in line 1")

@@ -1,15 +1,19 @@
-"""A scene that can be checked, prepared, run, and be a script of its own."""
+"""A scene that can be checked, prepared, run, and be a script of its own.
+
+What runs it is imported when it is asked for: to know a scene takes neither numpy nor fmpy.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
-from .command import main
-from .prepared import Prepared
-from .resolution import resolve
-from .results import Result
 from .scene_data import SceneData
-from .system import System
+
+if TYPE_CHECKING:
+    from .prepared import Prepared
+    from .results import Result
+    from .system import System
 
 __all__ = ["Scene"]
 
@@ -30,6 +34,8 @@ class Scene(SceneData):
         CurveboundError
             Lists all that is wrong.
         """
+        from .resolution import resolve
+
         return resolve(self)
 
     def prepare(self) -> Prepared:
@@ -45,6 +51,8 @@ class Scene(SceneData):
         CurveboundError
             As `check`.
         """
+        from .prepared import Prepared
+
         return Prepared(self)
 
     def run(self, *, progress: Callable[[float], None] | None = None) -> Result:
@@ -67,7 +75,7 @@ class Scene(SceneData):
         RunFailed
             A component failed; its ``result`` holds what was recorded until then.
         """
-        with Prepared(self) as prepared:
+        with self.prepare() as prepared:
             return prepared.run(progress=progress)
 
     def main(self, arguments: Sequence[str] | None = None) -> None:
@@ -83,4 +91,6 @@ class Scene(SceneData):
         SystemExit
             Always, with the status.
         """
+        from .command import main
+
         raise SystemExit(main(self, arguments))

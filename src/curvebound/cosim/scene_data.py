@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, nearest
 from ..units import number
-from .fmu import Value, nearest
 from .scene_parts import Adaptive, Component, Connection, Jumping, Needs
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+    from .fmu import Value
     from .signals import SignalLike
 
 __all__ = ["SceneData"]

@@ -11,7 +11,6 @@ from pathlib import Path
 from .. import cache
 from . import compile as kernel
 from .binaries import PLATFORMS, compile_binary
-from .build import build
 from .description import timestamp
 from .folder import Folder
 from .runtime import runtime, system_sources
@@ -39,4 +38,10 @@ def cached_fmu(folder: Folder) -> Path:
         sys.version,
         platform.platform(),
     ]
-    return cache.entry("fmus", parts, lambda to: build(folder, to)) / f"{folder.name}.fmu"
+
+    def make(to: Path) -> None:
+        from .build import build  # and PythonFMU's builder, which what is kept does not need
+
+        build(folder, to)
+
+    return cache.entry("fmus", parts, make) / f"{folder.name}.fmu"

@@ -133,6 +133,13 @@ class Fmu(NamedTuple):
     plotted: tuple[str, ...] = ()
     #: what samples draw, by variable ("gravity": both components), in the order of drawing
     ranges: dict[str, Explored] = {}
+    #: the variables that the model description names; none: all. The others keep their start values
+    shown: tuple[str, ...] = ()
+
+    def described(self) -> list[tuple[int, Variable]]:
+        """The variables that the model description names, each with its value reference."""
+        every = enumerate(self.ordered())
+        return [(vr, v) for vr, v in every if not self.shown or v.name in self.shown]
 
     def ordered(self) -> list[Variable]:
         """The variables in the order of their value references."""

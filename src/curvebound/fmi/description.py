@@ -70,7 +70,8 @@ def describe(fmu: Fmu, guid: str, engine: Engine) -> Element:
         },
     )
     SubElement(root, "CoSimulation", {"modelIdentifier": fmu.name, **_CAPABILITIES})
-    variables = fmu.ordered()
+    described = fmu.described()
+    variables = [variable for _, variable in described]
     _unit_definitions(root, variables)
     _type_definitions(root, variables)
     categories = SubElement(root, "LogCategories")
@@ -86,9 +87,9 @@ def describe(fmu: Fmu, guid: str, engine: Engine) -> Element:
         },
     )
     element = SubElement(root, "ModelVariables")
-    for vr, variable in enumerate(variables):
+    for vr, variable in described:
         element.append(_scalar_variable(vr, variable))
-    _structure(root, variables, engine)
+    _structure(root, described, engine)
     return root
 
 
@@ -158,24 +159,25 @@ def _scalar_variable(vr: int, variable: Variable) -> Element:
     return element
 
 
-def _structure(root: Element, variables: list[Variable], engine: Engine) -> None:
+def _structure(root: Element, described: list[tuple[int, Variable]], engine: Engine) -> None:
     """Outputs, with the inputs on which they depend in the same instant; initial unknowns."""
     structure = SubElement(root, "ModelStructure")
     outputs = SubElement(structure, "Outputs")
     unknowns = SubElement(structure, "InitialUnknowns")
     dependencies = engine.dependencies()
-    for vr, variable in enumerate(variables):
+    index = {vr: number for number, (vr, _) in enumerate(described, start=1)}
+    for vr, variable in described:
         if _CAUSALITY[variable.kind] != "output":
             continue
-        inputs = dependencies[vr]
+        inputs = [str(index[i]) for i in dependencies[vr] if i in index]
         SubElement(
             outputs,
             "Unknown",
             {
-                "index": str(vr + 1),
-                "dependencies": " ".join(str(i + 1) for i in inputs),
+                "index": str(index[vr]),
+                "dependencies": " ".join(inputs),
                 "dependenciesKind": " ".join("dependent" for _ in inputs),
             },
         )
         # without the attribute dependencies: it may depend on every parameter and start value
-        SubElement(unknowns, "Unknown", {"index": str(vr + 1)})
+        SubElement(unknowns, "Unknown", {"index": str(index[vr])})

@@ -20,16 +20,20 @@ _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 
 
 def documentation_files(folder: Folder) -> dict[str, bytes]:
-    """The page, the reference result, licences, icon and pictures: path in the FMU -> content."""
+    """The page, the reference result, licences, icon and pictures: path in the FMU -> content.
+
+    Without a reference where not all variables are described: that is of all outputs by themselves.
+    """
     fmu = folder.fmu()
-    result = reference_result(fmu)
+    result = None if fmu.shown else reference_result(fmu)
     files = {
         "documentation/index.html": _page(fmu, folder.documentation(), result).encode(),
-        "documentation/reference.csv": csv_text(result.outputs).encode(),
         "documentation/licenses/license.txt": _licences().encode(),
     }
-    if len(result.inputs) > 1:
-        files["documentation/reference_inputs.csv"] = csv_text(result.inputs).encode()
+    if result is not None:
+        files["documentation/reference.csv"] = csv_text(result.outputs).encode()
+        if len(result.inputs) > 1:
+            files["documentation/reference_inputs.csv"] = csv_text(result.inputs).encode()
     icon = folder.path / "icon.png"
     if icon.is_file():
         files["model.png"] = icon.read_bytes()
@@ -57,8 +61,13 @@ def _licences() -> str:
     return "\n".join(parts)
 
 
-def _page(fmu: Fmu, told: str, result: ReferenceResult) -> str:
+def _page(fmu: Fmu, told: str, result: ReferenceResult | None) -> str:
     name = escape(fmu.name)
+    reference = ""
+    if result is not None:
+        reference = f"""<h2>Reference result</h2>
+<p>{_experiment(fmu)} The samples are in <a href="reference.csv">reference.csv</a>.</p>
+{_plot(fmu, result)}"""
     body = f"""<header><h1>{name}</h1>
 <p>{escape(fmu.description)}. FMI 2.0 for co-simulation, curvebound {__version__}, MIT licence
 (<a href="licenses/license.txt">text</a>).</p></header>
@@ -71,9 +80,7 @@ def _page(fmu: Fmu, told: str, result: ReferenceResult) -> str:
 {_variables(fmu, (INPUT,))}
 <h2>Outputs</h2>
 {_variables(fmu, (OUTPUT, COUNT))}
-<h2>Reference result</h2>
-<p>{_experiment(fmu)} The samples are in <a href="reference.csv">reference.csv</a>.</p>
-{_plot(fmu, result)}
+{reference}
 </main>"""
     return report(fmu.name, body)
 
@@ -101,7 +108,7 @@ def _signal(value: float | str | tuple[float, float]) -> str:
 
 
 def _variables(fmu: Fmu, kinds: tuple[str, ...]) -> str:
-    rows = [v for v in fmu.ordered() if v.kind in kinds]
+    rows = [v for _, v in fmu.described() if v.kind in kinds]
     if not rows:
         return "<p>None.</p>"
     if INPUT in kinds or OUTPUT in kinds:

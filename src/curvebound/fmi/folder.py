@@ -19,16 +19,17 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
 from ..mechanics.derived import Derived, derive
 from ..places import fmus_directory
-from .controller import Controller
 from .declaration import Fmu
 from .drawing import Drawing, Point, complete
-from .engine import System
 from .implied import complete_variables
-from .plant import Plant
+
+if TYPE_CHECKING:
+    from .engine import System
 
 __all__ = ["BESIDE", "DECLARATION", "Folder", "find", "names", "shipped_drawings", "systems_in"]
 
@@ -48,7 +49,12 @@ class Folder:
 
     @property
     def name(self) -> str:
-        """The name of its FMU: that of the folder, in capitals instead of underscores."""
+        """The name of its FMU."""
+        return self.system_name
+
+    @property
+    def system_name(self) -> str:
+        """The system's name: that of the folder, in capitals instead of underscores."""
         return "".join(word.capitalize() for word in self.path.name.split("_"))
 
     def module(self, name: str) -> ModuleType:
@@ -85,7 +91,7 @@ class Folder:
                 f"{self.path} has neither a mechanics.py nor a kernel.py: state the physics in the "
                 "one, or the accelerations in the other"
             )
-        return derive(self.path / "mechanics.py", self.name)
+        return derive(self.path / "mechanics.py", self.system_name)
 
     def _derived_kernel(self, package: str) -> ModuleType:
         """The module whose source is derived, as if it stood in the folder."""
@@ -119,10 +125,10 @@ class Folder:
         source = self.path / "fmu.py"
         if not isinstance(fmu, Fmu):
             raise CurveboundError(f"{source} declares no FMU: write FMU = Fmu(...)")
-        if fmu.name != self.name:
+        if fmu.name != self.system_name:
             raise CurveboundError(
-                f"{source} declares an FMU {fmu.name!r}: call it {self.name!r}, or rename the"
-                " folder"
+                f"{source} declares an FMU {fmu.name!r}: call it {self.system_name!r}, or rename"
+                " the folder"
             )
         if not self.has("kernel"):
             fmu = fmu._replace(variables=complete_variables(fmu.variables, self.derived()))
@@ -130,6 +136,9 @@ class Folder:
 
     def _system(self) -> System:
         """What makes engines: of a plant, `model` in kernel.py, or of a controller, `law`."""
+        from .controller import Controller  # with all methods: what only names systems needs none
+        from .plant import Plant
+
         kernel = self.module("kernel")
         if hasattr(kernel, "model"):
             return Plant(kernel.model)
@@ -189,6 +198,8 @@ class Folder:
         factory = _FACTORIES[face]
         own: dict[str, object] = {"name": fmu.name, "description": fmu.description}
         own |= {"stop_time": fmu.stop_time, "step_size": fmu.step_size}
+        if fmu.shown:
+            own["shown"] = fmu.shown
         lines = [
             "from curvebound.fmi.declaration import Enumeration, Fmu, Variable",
             f"from curvebound.fmi.{face.lower()} import {face}",

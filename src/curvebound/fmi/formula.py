@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import ast
 import keyword
+import math
 import re
-from collections.abc import Callable, Mapping
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..errors import CurveboundError
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
 __all__ = ["Floats", "Tree", "evaluate", "parse", "variables_of"]
 
-Floats = NDArray[np.float64]
+Floats: TypeAlias = "NDArray[np.float64]"
 #: a number, the name of a variable, or [operation, operand, ...]
 Tree = Any
 
@@ -34,46 +36,30 @@ _SIGNS: dict[type[ast.AST], str] = {
     ast.Pow: "**",
 }
 
-#: what can be drawn at any instant; the pages' formula.js knows the same
-_POINTWISE: dict[str, tuple[int, Callable[..., Any]]] = {
-    "+": (2, np.add),
-    "-": (2, np.subtract),
-    "*": (2, np.multiply),
-    "/": (2, np.divide),
-    "**": (2, np.power),
-    "negative": (1, np.negative),
-    "abs": (1, np.abs),
-    "sqrt": (1, np.sqrt),
-    "sin": (1, np.sin),
-    "cos": (1, np.cos),
-    "tan": (1, np.tan),
-    "sinh": (1, np.sinh),
-    "cosh": (1, np.cosh),
-    "tanh": (1, np.tanh),
-    "exp": (1, np.exp),
-    "log": (1, np.log),
-    "atan2": (2, np.arctan2),
-    "hypot": (2, np.hypot),
+#: what can be drawn at any instant: operands, and numpy's name; the pages' formula.js knows them
+_POINTWISE: dict[str, tuple[int, str]] = {
+    "+": (2, "add"),
+    "-": (2, "subtract"),
+    "*": (2, "multiply"),
+    "/": (2, "divide"),
+    "**": (2, "power"),
+    "negative": (1, "negative"),
+    "abs": (1, "abs"),
+    "sqrt": (1, "sqrt"),
+    "sin": (1, "sin"),
+    "cos": (1, "cos"),
+    "tan": (1, "tan"),
+    "sinh": (1, "sinh"),
+    "cosh": (1, "cosh"),
+    "tanh": (1, "tanh"),
+    "exp": (1, "exp"),
+    "log": (1, "log"),
+    "atan2": (2, "arctan2"),
+    "hypot": (2, "hypot"),
 }
 
-
-def _first(values: Floats) -> Floats:
-    """The first number in `values`, everywhere."""
-    good = values[np.isfinite(values)]
-    return np.full_like(values, good[0] if good.size else np.nan)
-
-
-def _median(values: Floats) -> Floats:
-    """The median of the numbers in `values`, everywhere."""
-    good = values[np.isfinite(values)]
-    return np.full_like(values, np.median(good) if good.size else np.nan)
-
-
-#: what needs all samples
-_OVER_SAMPLES: dict[str, tuple[int, Callable[..., Any]]] = {
-    "first": (1, _first),
-    "median": (1, _median),
-}
+#: what needs all samples: operands
+_OVER_SAMPLES = {"first": 1, "median": 1}
 
 
 def parse(text: str, *, samples: bool = False) -> Tree:
@@ -83,7 +69,8 @@ def parse(text: str, *, samples: bool = False) -> Tree:
     sinh, cosh, tanh, exp, log, atan2, hypot; with `samples` also first and median, over all samples
     of a result. Raises CurveboundError that names what is not understood.
     """
-    known = {**_POINTWISE, **(_OVER_SAMPLES if samples else {})}
+    known = {name: count for name, (count, _) in _POINTWISE.items()}
+    known |= _OVER_SAMPLES if samples else {}
     try:
         root = ast.parse(_WORD.sub(r"\1_word", text.strip()), mode="eval").body
     except SyntaxError as error:
@@ -102,10 +89,10 @@ def parse(text: str, *, samples: bool = False) -> Tree:
             return [_SIGNS[type(node.op)], tree(node.left), tree(node.right)]
         if isinstance(node, ast.Name | ast.Attribute):
             name = written(node)
-            return float(np.pi) if name == "pi" else name
+            return math.pi if name == "pi" else name
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
             name = node.func.id
-            if name in known and len(node.args) == known[name][0]:
+            if name in known and len(node.args) == known[name]:
                 return [name, *map(tree, node.args)]
         raise CurveboundError(
             f"{written(node)!r} in the formula {text!r} is not understood: use names of "
@@ -124,12 +111,20 @@ def variables_of(tree: Tree) -> set[str]:
 
 
 def evaluate(tree: Tree, values: Mapping[str, Floats | float]) -> Any:
-    """A formula's values, of the common shape of `values`; KeyError where one lacks."""
+    """A formula's values, of the common shape of `values`; KeyError where one lacks.
+
+    `first` and `median` take the numbers among the samples of their operand.
+    """
     if isinstance(tree, str):
         return values[tree]
     if not isinstance(tree, list):
         return tree
-    operands = [evaluate(part, values) for part in tree[1:]]
-    _, function = {**_POINTWISE, **_OVER_SAMPLES}[tree[0]]
+    import numpy as np  # a tenth of a second, which formulas that are only read need not pay
+
+    operands = [np.asarray(evaluate(part, values), dtype=np.float64) for part in tree[1:]]
+    if tree[0] in _OVER_SAMPLES:
+        good = operands[0][np.isfinite(operands[0])]
+        one = (good[0] if tree[0] == "first" else np.median(good)) if good.size else np.nan
+        return np.full_like(operands[0], one)
     with np.errstate(all="ignore"):
-        return function(*(np.asarray(operand, dtype=np.float64) for operand in operands))
+        return getattr(np, _POINTWISE[tree[0]][1])(*operands)

@@ -61,7 +61,7 @@ def reference_result(fmu: Fmu, *, exact: bool = True) -> ReferenceResult:
     method = choices.get("solver.method")
     if exact and method is not None and method.type is not None:
         engine.set_integer([by_name[method.name]], [method.type.number("adaptive")])
-    names = [v.name for v in fmu.ordered() if v.kind == OUTPUT]
+    names = [v.name for _, v in fmu.described() if v.kind == OUTPUT]
     references = [by_name[name] for name in names]
     inputs: dict[str, list[float]] = {"time": [], **{n: [] for n in fmu.reference_inputs}}
     outputs: dict[str, list[float]] = {"time": [], **{n: [] for n in names}}

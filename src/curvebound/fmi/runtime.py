@@ -150,7 +150,7 @@ def system_sources(folder: Folder, core: Runtime) -> SystemSources:
     kernel = {name: files[name] for stem, name in stems.items() if stem != DECLARATION}
     texts = {stem: files[name] for stem, name in stems.items() if stem != DECLARATION}
     digest = _digest(core.extension.encode(), **texts)
-    return SystemSources(files, kernel, f"{folder.name}_kernel_{digest}")
+    return SystemSources(files, kernel, f"{folder.system_name}_kernel_{digest}")
 
 
 def _digest(*parts: bytes, **named: bytes | str) -> str:

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cosim.fmu import nearest
-from ..errors import CurveboundError
+from ..errors import CurveboundError, nearest
 from ..fmi.declaration import CHOICE, INPUT, OUTPUT, PARAMETER
 from ..fmi.folder import find
 from ..mechanics.derived import Derived, derive

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..cosim.fmu import nearest
-from ..errors import CurveboundError
+from ..errors import CurveboundError, nearest
 from .extras import require
 from .linear_model import LinearModel
 

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...cosim.fmu import Value, nearest
+from ...cosim.fmu import Value
 from ...cosim.prepared import Prepared
 from ...cosim.results import Result, RunFailed
 from ...cosim.scene import Scene
-from ...errors import CurveboundError
+from ...errors import CurveboundError, nearest
 from ..reference.equations import system_of
 from ..reference.motion import Motion
 from . import theory

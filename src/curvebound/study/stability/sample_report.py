@@ -6,10 +6,13 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..data_files import write_rows
 from .sample import ALLOWED, Sampled, SampleSettings
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 __all__ = ["passes", "print_sample", "write_sample"]
 
@@ -49,11 +52,10 @@ def write_sample(outcomes: Sequence[Sampled], out: Path) -> Path:
     return write_rows(rows, out)
 
 
-def print_sample(outcomes: Sequence[Sampled], settings: SampleSettings, seed: int) -> None:
+def print_sample(
+    console: Console, outcomes: Sequence[Sampled], settings: SampleSettings, seed: int
+) -> None:
     """Counts, the largest errors and work, and every point that is not accurate."""
-    from rich.console import Console
-
-    console = Console(highlight=False)
     count = Counter(one.verdict for one in outcomes)
     said = ", ".join(f"{n} {verdict}" for verdict, n in count.most_common())
     console.print(

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from ... import __version__
-from ...cosim.fmu import Value, nearest
+from ...cosim.fmu import Value
 from ...cosim.scene import Scene
-from ...errors import CurveboundError
+from ...errors import CurveboundError, nearest
 from ...files import sole_writer
 from ..identity import identity
 from .cluster import connect, run_on_cluster

@@ -1,0 +1,81 @@
+"""--json gives one document on standard output; --quiet leaves out what is for people."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from curvebound.cli import main
+
+
+def given(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
+    assert main([*words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
+    data = given(capsys, "list")
+    assert data["scenes"]["bead_on_wire"].startswith("a bead on a circular wire")
+    assert set(data["fmus"]) == {"BeadOnWire", "ParabolaDrive", "ParabolaPendulum"}
+    (fmu,) = given(capsys, "list", "BeadOnWire")["fmus"]
+    radius = next(v for v in fmu["variables"] if v["name"] == "wire.radius")
+    assert (radius["unit"], radius["start"], radius["causality"]) == ("m", 1.0, "parameter")
+    scene = given(capsys, "show", "inverted_balance")
+    assert scene["needs"] == {"plant.slider.u": 1e-2, "plant.pendulum.angle": 1e-2}
+    assert {"name", "fmu", "start"} == set(scene["components"][0])
+    (first, *_) = given(capsys, "show", "solver.method")["found"]
+    assert first["items"]["adaptive"] == 4
+
+
+def test_build_run_and_demo(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (built,) = given(capsys, "build", "ParabolaDrive", "--no-compile", "--out", str(tmp_path))
+    assert Path(built["path"]).is_file()
+    out = tmp_path / "r.npz"
+    (run,) = given(capsys, "run", "bead_on_wire", "--stop", "1", "--out", str(out))
+    assert run["steps"] == 100
+    assert run["outputs"]["bead.bead.x"]["unit"] == "m"
+    assert run["outputs"]["bead.bead.x"]["largest"] == 1.0
+    assert run["file"] == str(out)
+    monkeypatch.setattr("curvebound.cosim.scene_names", lambda: ["pendulum_small"])
+    demo = given(capsys, "demo", "--no-compile", "--out", str(tmp_path))
+    assert demo["failures"] == []
+    assert demo["scenes"][0]["residual"] < 1e-9
+
+
+def test_sweep_and_tune(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("mpmath")
+    out = tmp_path / "s.csv"
+    sweep = given(
+        capsys, "sweep", "bead_on_wire", "--vary", "bead.bead.damping=0,1", "--workers", "1",
+        "--set", "stop_time=0.1", "--out", str(out),
+    )  # fmt: skip
+    assert sweep == {"file": str(out), "points": 2, "run": 2, "failed": 0, "maps": []}
+
+
+def test_quiet_prints_errors_only(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "bead_on_wire", "--stop", "0.1", "--quiet"]) == 0
+    heard = capsys.readouterr()
+    assert (heard.out, heard.err) == ("", "")
+    assert main(["run", "bead_on_wir", "--quiet"]) == 1
+    assert "did you mean bead_on_wire" in capsys.readouterr().err
+
+
+def test_warnings_of_the_program_follow_the_level(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import logging
+
+    def warn() -> list[str]:
+        logging.getLogger("curvebound").warning("careful")
+        return []
+
+    monkeypatch.setattr("curvebound.cosim.scene_names", warn)
+    assert main(["list"]) == 0
+    assert capsys.readouterr().err == "careful\n"
+    assert main(["list", "--log-level", "error"]) == 0
+    assert capsys.readouterr().err == ""

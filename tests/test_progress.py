@@ -1,0 +1,74 @@
+"""Long work is told: a line now and then where there is no terminal."""
+
+from __future__ import annotations
+
+import logging
+import re
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from curvebound import progress
+from curvebound.progress import Progress, duration
+
+
+@pytest.fixture
+def lines(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+    """What the log gets, at a line every 0.05 s."""
+    found: list[str] = []
+
+    class Keep(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            found.append(record.getMessage())
+
+    log, handler = logging.getLogger("curvebound"), Keep()
+    before = log.level
+    log.addHandler(handler)
+    log.setLevel("INFO")
+    monkeypatch.setattr(progress, "EVERY", 0.05)
+    yield found
+    log.removeHandler(handler)
+    log.setLevel(before)
+
+
+def test_a_line_is_promised_every_20_s() -> None:
+    assert progress.EVERY <= 20.0
+
+
+def test_lines_come_without_news_too_and_end_with_the_work(lines: list[str]) -> None:
+    with Progress("study of s", 8, "settings") as tell:
+        tell(2, note="rk4")
+        time.sleep(0.5)
+    count = len(lines)
+    assert count >= 3
+    assert re.fullmatch(
+        r"study of s: 2 of 8 settings \(rk4\), after \d+ s, about \d+ s left", lines[0]
+    )
+    time.sleep(0.2)
+    assert len(lines) == count
+
+
+def test_what_is_left_is_in_proportion() -> None:
+    one = Progress("x", 4)
+    one._began = time.monotonic() - 100.0
+    one._done = 1.0
+    assert one.line() == "x: 1 of 4, after 1 min 40 s, about 5 min 0 s left"
+    one._total = None
+    assert one.line() == "x, after 1 min 40 s"
+
+
+def test_nothing_is_written_below_the_level(lines: list[str]) -> None:
+    logging.getLogger("curvebound").setLevel("WARNING")
+    with Progress("x") as tell:
+        tell(1)
+        time.sleep(0.2)
+    assert lines == []
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [(0.2, "0 s"), (59.4, "59 s"), (60, "1 min 0 s"), (3599, "59 min 59 s"), (7500, "2 h 5 min")],
+)
+def test_times_in_words(seconds: float, said: str) -> None:
+    assert duration(seconds) == said
