@@ -75,7 +75,7 @@ class BeadAngle(BeadBase):
             self.q0 = self.take_turns(self.q0)
             self.settles = True
         if self.moving:
-            super().advance_frame(duration)
+            self.move_frame(duration)
             self.refresh()
 
     def set_state(self, state: list[float]) -> None:

@@ -93,14 +93,15 @@ class BeadBase(FramedModel):
         """Set the state to an angle within a turn (rad) and its rate (rad/s)."""
         raise NotImplementedError
 
-    def set_inputs(self, values: list[float], first: int) -> None:
-        self.ax = values[first]
-        self.ay = values[first + 1]
-        self.fx = values[first + 2]
-        self.fy = values[first + 3]
+    def take_inputs(self) -> None:
+        self.ax = self.inputs[0]
+        self.ay = self.inputs[1]
+        self.fx = self.inputs[2]
+        self.fy = self.inputs[3]
+        self.jx = self.slopes[0]
+        self.jy = self.slopes[1]
         self.ex = self.gx + self.fx / self.m - self.ax
         self.ey = self.gy + self.fy / self.m - self.ay
-        self.refresh()
 
     def refresh(self) -> None:
         self.moving = self.ax != 0.0 or self.ay != 0.0 or self.vx != 0.0 or self.vy != 0.0

@@ -189,7 +189,7 @@ class BeadCartesian(BeadBase):
 
     def advance_frame(self, duration: float) -> None:
         if self.moving:
-            super().advance_frame(duration)
+            self.move_frame(duration)
             self.refresh()
 
     def set_state(self, state: list[float]) -> None:

@@ -16,7 +16,7 @@ import math
 from typing import ClassVar, Final
 
 from curvebound.kernel.angles import unwind
-from curvebound.kernel.frame import FramedModel
+from curvebound.kernel.frame import THIRD, FramedModel
 
 __all__ = ["ParabolaBase"]
 
@@ -96,6 +96,7 @@ class ParabolaBase(FramedModel):
         self.a: float = 0.0
         self.a_rate: float = 0.0
         self.a_acceleration: float = 0.0
+        self.a_jerk: float = 0.0
         #: whether a changes during the communication step
         self.reshapes: bool = False
         # forces on slider and bob (N)
@@ -140,7 +141,7 @@ class ParabolaBase(FramedModel):
         self.c2 = parameters["pendulum.damping"]
         self.a = parameters["parabola.coefficient_start"]
         self.a_rate = parameters["parabola.coefficient_rate_start"]
-        self.a_acceleration = 0.0
+        self.a_acceleration = self.a_jerk = 0.0
         self.f1x = self.f1y = self.f2x = self.f2y = 0.0
         self.turns = 0.0
         self.settles = False
@@ -159,17 +160,19 @@ class ParabolaBase(FramedModel):
     def place(self) -> None:
         """Bring the initial state into the form that the fidelity integrates."""
 
-    def set_inputs(self, values: list[float], first: int) -> None:
-        self.ax = values[first]
-        self.ay = values[first + 1]
-        self.a_acceleration = values[first + 2]
-        self.f1x = values[first + 3]
-        self.f1y = values[first + 4]
-        self.f2x = values[first + 5]
-        self.f2y = values[first + 6]
+    def take_inputs(self) -> None:
+        self.ax = self.inputs[0]
+        self.ay = self.inputs[1]
+        self.a_acceleration = self.inputs[2]
+        self.f1x = self.inputs[3]
+        self.f1y = self.inputs[4]
+        self.f2x = self.inputs[5]
+        self.f2y = self.inputs[6]
+        self.jx = self.slopes[0]
+        self.jy = self.slopes[1]
+        self.a_jerk = self.slopes[2]
         self.sway = self.ax - self.gx
         self.lift = self.ay - self.gy
-        self.refresh()
 
     def refresh(self) -> None:
         self.reshapes = self.a_rate != 0.0 or self.a_acceleration != 0.0
@@ -187,11 +190,20 @@ class ParabolaBase(FramedModel):
 
     def advance_frame(self, duration: float) -> None:
         if self.moving or self.reshapes:
-            if self.reshapes:
-                self.a += duration * (self.a_rate + 0.5 * duration * self.a_acceleration)
-                self.a_rate += duration * self.a_acceleration
-            super().advance_frame(duration)
+            self.move_frame(duration)
             self.refresh()
+
+    def move_frame(self, duration: float) -> None:
+        super().move_frame(duration)
+        half = 0.5 * duration
+        bend = half * self.a_acceleration - THIRD * duration * duration * self.a_jerk
+        self.a += duration * (self.a_rate + bend)
+        self.a_rate += duration * (self.a_acceleration - half * self.a_jerk)
+
+    def restore_frame(self) -> None:
+        super().restore_frame()
+        self.a = self.kept_a
+        self.a_rate = self.kept_a_rate
 
     # -- rollback and saved state ----------------------------------------------------------------
     def get_state(self) -> list[float]:
@@ -207,11 +219,6 @@ class ParabolaBase(FramedModel):
         super().keep()
         self.kept_a = self.a
         self.kept_a_rate = self.a_rate
-
-    def undo(self) -> None:
-        self.a = self.kept_a
-        self.a_rate = self.kept_a_rate
-        super().undo()
 
     # -- observation -----------------------------------------------------------------------------
     def reactions(self) -> tuple[float, float, float, float]:

@@ -233,8 +233,7 @@ class ParabolaNonlinear(ParabolaBase):
         if math.fabs(self.q1) > TURN and not self.is_linear:
             self.q1 = self.take_turns(self.q1)
             self.settles = True
-        if self.moving or self.reshapes:
-            super().advance_frame(duration)
+        super().advance_frame(duration)
 
     def energies_at(self, t: float) -> None:
         u = self.q0

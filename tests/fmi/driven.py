@@ -70,6 +70,15 @@ def inputs_at(fmu: str, time: float, *, constant: bool = False) -> dict[str, flo
     return values
 
 
+def slopes_at(fmu: str, time: float, *, constant: bool = False) -> dict[str, float]:
+    """Derivatives of inputs_at(); with `constant`, of those that `exact` can follow."""
+    return {
+        name: 3.0 * size * math.cos(3.0 * time + i)
+        for i, (name, size) in enumerate(INPUTS[fmu].items())
+        if not constant or name.endswith("x")
+    }
+
+
 def drive(instance: Instance, count: int, size: float, *, constant: bool = False) -> None:
     """`count` communication steps of `size`, each with inputs of its own."""
     begin = instance.time

@@ -129,6 +129,16 @@ class Instance:
             else:
                 self.slave.setInteger([variable.valueReference], [int(number)])
 
+    def slope(self, slopes: Mapping[str, float]) -> None:
+        """Derivatives of inputs over the next step."""
+        vrs = [self.fmu.variables[name].valueReference for name in slopes]
+        self.slave.setRealInputDerivatives(vrs, [1] * len(vrs), list(slopes.values()))
+
+    def rates(self, *names: str) -> list[float]:
+        """Derivatives of outputs."""
+        vrs = [self.fmu.variables[name].valueReference for name in names]
+        return self.slave.getRealOutputDerivatives(vrs, [1] * len(vrs))
+
     def get(self, *names: str) -> list[float]:
         values = []
         for name in names:

@@ -16,10 +16,13 @@ Matrix = list[list[float]]
 
 
 def propagator(a: Matrix, c: Matrix, h: float) -> tuple[Matrix, Matrix]:
-    """E and S, by lists of rows."""
-    e, s = [0.0] * 25, [0.0] * 25
-    exact.propagator([x for row in a for x in row], [x for row in c for x in row], h, e, s)
-    return [e[i : i + 5] for i in range(0, 25, 5)], [s[i : i + 5] for i in range(0, 25, 5)]
+    """E and S, by lists of rows; as many as `a` has, which the time may be missing in."""
+    n = len(a)
+    e, s, flat_a, flat_c = ([0.0] * 36 for _ in range(4))
+    exact.copied(a, flat_a)
+    exact.copied(c, flat_c)
+    exact.propagator(n, flat_a, flat_c, h, e, s)
+    return [e[i : i + n] for i in range(0, 6 * n, 6)], [s[i : i + n] for i in range(0, 6 * n, 6)]
 
 
 def pendulum_on_parabola(

@@ -59,6 +59,7 @@ else:
     class {name}(slave.Slave if sys.platform in {own!r} else wrapped.Wrapped):
         fmu = FMU
         guid_text = "{guid}"
+        derivatives = False
 """
 
 _HERE = Path(__file__).resolve().parent

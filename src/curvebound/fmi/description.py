@@ -51,8 +51,12 @@ def timestamp() -> datetime.datetime:
     return datetime.datetime.fromisoformat(__date__).replace(tzinfo=datetime.timezone.utc)
 
 
-def describe(fmu: Fmu, guid: str, engine: Engine) -> Element:
-    """The root element for `fmu`; `engine` tells which outputs depend on the inputs directly."""
+def describe(fmu: Fmu, guid: str, engine: Engine, *, derivatives: bool) -> Element:
+    """The root element for `fmu`.
+
+    engine: tells which outputs depend on the inputs directly. derivatives: whether the binaries
+    pass the functions about derivatives on.
+    """
     root = Element(
         "fmiModelDescription",
         {
@@ -69,7 +73,10 @@ def describe(fmu: Fmu, guid: str, engine: Engine) -> Element:
             "variableNamingConvention": "structured",
         },
     )
-    SubElement(root, "CoSimulation", {"modelIdentifier": fmu.name, **_CAPABILITIES})
+    capabilities = dict(_CAPABILITIES)
+    if derivatives and engine.INTERPOLATES:
+        capabilities |= {"canInterpolateInputs": "true", "maxOutputDerivativeOrder": "1"}
+    SubElement(root, "CoSimulation", {"modelIdentifier": fmu.name, **capabilities})
     described = fmu.described()
     variables = [variable for _, variable in described]
     _unit_definitions(root, variables)

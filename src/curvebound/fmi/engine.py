@@ -54,6 +54,9 @@ def near(time: float, now: float, step: float) -> bool:
 class Engine:
     """Values, modes and time of one instance; subclasses know what advances."""
 
+    #: whether inputs may have slopes, and outputs have rates
+    INTERPOLATES: bool = False
+
     def __init__(self, table: Table, guid: str) -> None:
         self.table = table
         self.guid = guid
@@ -70,6 +73,9 @@ class Engine:
         self.end: float = math.inf
         self.reals: list[float] = table.starts[:]
         self.integers: list[int] = [int(x) for x in table.starts]
+        #: of the inputs, 1/s, over the next step; and whether there is any
+        self.slopes: list[float] = [0.0] * (table.first_output - table.first_input)
+        self.sloped: bool = False
         #: whether inputs or tunable parameters wait to be taken over by the system
         self.pending: bool = True
         #: whether parameters have changed since the system was started from them
@@ -121,7 +127,10 @@ class Engine:
         raise NotImplementedError
 
     def advance(self, duration: float) -> str:
-        """Advance the system; after a failure undo it and return the message."""
+        """Advance the system; after a failure undo it and return the message.
+
+        While `sloped`, inputs rise by `slopes`, and the system is left with those of the end.
+        """
         raise NotImplementedError
 
     def undo(self) -> None:
@@ -130,6 +139,10 @@ class Engine:
 
     def look(self, at_end: bool) -> None:
         """Warn of what the live error measures say, where a look is due or the run ends."""
+
+    def output_rates(self) -> list[float]:
+        """Time derivatives of all outputs, in their order; infinite where there is none."""
+        raise NotImplementedError
 
     def count_of(self, vr: int) -> int:
         """A count, by value reference."""
@@ -324,13 +337,8 @@ class Engine:
 
     def refresh(self, group: int) -> None:
         """Bring a group of outputs up to date; where that is impossible they keep their values."""
-        if self.mode == INSTANTIATED:
+        if not self.ready():
             return
-        if self.mode == INITIALIZATION and self.stale and self.start():
-            return
-        if self.pending and not self.bad_value():
-            self.take_inputs()
-            self.pending = False
         members: list[int] = self.layout.members[group]
         reals = self.reals
         vr: int
@@ -411,6 +419,103 @@ class Engine:
             "use the value references of modelDescription.xml"
         )
 
+    def set_real_input_derivatives(
+        self, vrs: list[int], orders: list[int], values: list[float]
+    ) -> None:
+        """Make inputs linear in time over the next step, and over that step alone.
+
+        Allowed at any time before it; their values are those at its start.
+        """
+        table = self.table
+        for i in range(len(vrs)):
+            vr: int = vrs[i]
+            order: int = orders[i]
+            if vr < 0 or vr >= table.size or not table.is_real(vr):
+                self.unknown(vr, "Real")
+            elif table.kinds[vr] != INPUT:
+                self.fail(
+                    f"{table.names[vr]} is no input: fmi2SetRealInputDerivatives sets derivatives "
+                    "of inputs alone"
+                )
+            elif order != 1:
+                self.fail(
+                    f"order = {order} of the derivative of {table.names[vr]} cannot be used: "
+                    "inputs are linear in time at most, give the derivative of order 1"
+                )
+            else:
+                self.slopes[vr - table.first_input] = values[i]
+                self.sloped = True
+
+    def bad_slope(self, step_size: float) -> str:
+        """The message for a slope that cannot be used over a step of `step_size` s, or ''."""
+        first = self.table.first_input
+        for i in range(len(self.slopes)):
+            slope: float = self.slopes[i]
+            x: float = self.reals[first + i]
+            if not abs(x + slope * step_size) <= LARGEST or not abs(slope) <= LARGEST:
+                return (
+                    f"{self.value(first + i)} cannot be used with its derivative {slope!r} per s "
+                    f"over a communication step of {step_size!r} s: set finite numbers with "
+                    f"which the input stays at most {LARGEST!r} in size"
+                )
+        return ""
+
+    def end_slopes(self, step_size: float) -> None:
+        """Leave the inputs where their slopes have brought them."""
+        first = self.table.first_input
+        slopes = self.slopes
+        self.slopes = [0.0] * len(slopes)
+        self.sloped = False
+        for i in range(len(slopes)):
+            self.reals[first + i] += slopes[i] * step_size
+
+    def get_real_output_derivatives(self, vrs: list[int], orders: list[int]) -> list[float]:
+        """Time derivatives of outputs at the present time; 0 with a message where there is none."""
+        table = self.table
+        values: list[float] = []
+        rates: list[float] = []
+        for i in range(len(vrs)):
+            vr: int = vrs[i]
+            order: int = orders[i]
+            value = 0.0
+            if vr < 0 or vr >= table.size or not table.is_real(vr):
+                self.unknown(vr, "Real")
+            elif table.kinds[vr] != OUTPUT:
+                self.fail(
+                    f"{table.names[vr]} has no derivative: fmi2GetRealOutputDerivatives gives "
+                    "those of outputs that are no counts"
+                )
+            elif order != 1:
+                self.fail(
+                    f"order = {order} of the derivative of {table.names[vr]} is not known: ask "
+                    "for order 1"
+                )
+            elif table.rates[vr] >= 0:
+                value = self.get_real([table.rates[vr]])[0]
+            else:
+                if len(rates) == 0:
+                    rates = self.output_rates()
+                value = rates[vr - table.first_output]
+                if not -OVERFLOW <= value <= OVERFLOW:
+                    value = 0.0
+                    self.fail(
+                        f"the derivative of {table.names[vr]} does not fit a floating-point number "
+                        f"at time {self.time!r} s: rescale the parameters"
+                    )
+            values.append(value)
+        return values
+
+    def ready(self) -> bool:
+        """Bring the system up to date with parameters and inputs; whether that is possible."""
+        if self.mode == INSTANTIATED:
+            return False
+        if self.mode == INITIALIZATION and self.stale and self.start():
+            return False
+        if self.pending and not self.bad_value():
+            self.take_inputs()
+            self.pending = False
+        return True
+
     def get_integer(self, vrs: list[int]) -> list[int]:
         """Values of Integer and enumeration variables."""
         values: list[int] = []
@@ -464,6 +569,13 @@ class Engine:
                 return self.fail(message)
             self.take_inputs()
             self.pending = False
+        slopes = self.slopes
+        inputs: list[float] = []
+        if self.sloped:
+            message = self.bad_slope(step_size)
+            if message:
+                return self.fail(message)
+            inputs = self.reals[self.table.first_input : self.table.first_output]
         self.kept = False
         try:
             message = self.advance(step_size)
@@ -471,8 +583,14 @@ class Engine:
                 return self.fail(message)
             self.time = end
             self.fresh = 0
+            if self.sloped:
+                self.end_slopes(step_size)
             self.look(False)
         except BaseException:  # an interrupt: there has been no step
+            if len(inputs) > 0:
+                self.reals[self.table.first_input : self.table.first_output] = inputs
+                self.slopes = slopes
+                self.sloped = True
             if self.kept:
                 self.undo()
             self.time = now
@@ -493,6 +611,7 @@ class Engine:
         ]
         state = [head, self.reals[: table.first_output]]
         state.append([float(i) for i in self.integers[: table.first_input]])
+        state.append(self.slopes)
         if self.mode != INSTANTIATED:
             state.extend(self.system_state())
         return state
@@ -517,10 +636,14 @@ class Engine:
         self.tolerance = head[3]
         self.reals[: table.first_output] = state[1]
         self.integers[: table.first_input] = integers
+        self.slopes = state[3][:]
+        self.sloped = False
+        for slope in self.slopes:
+            self.sloped = self.sloped or slope != 0.0
         # Parameters set during initialization may have made a start impossible: then there is no
         # system to restore either, and the end of initialization will say so.
         if mode != INSTANTIATED and (same or not self.start(restoring=True)):
-            self.restore_system(state[3:])
+            self.restore_system(state[4:])
         self.stale = head[4] != 0.0
         self.pending = True
         self.retuned = True

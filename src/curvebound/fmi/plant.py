@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from ..kernel.base import Model
+from ..kernel.base import MOST_INPUTS, Model
 from ..kernel.method import (
     DONE,
     NOT_CONVERGED,
@@ -16,6 +16,8 @@ from ..kernel.method import (
     Method,
 )
 from ..kernel.methods import METHODS, create
+from ..kernel.ramp import Ramp
+from ..kernel.rates import output_rates
 from .engine import Engine, System
 from .table import EPSILON, LARGEST, WARNING, Table
 from .watch import ENERGY_FRACTION, MAGNIFIED
@@ -48,10 +50,13 @@ def substeps(duration: float, step: float, time: float) -> float:
 class PlantEngine(Engine):
     """A mechanical model with a time-integration method."""
 
+    INTERPOLATES = True
+
     def __init__(self, table: Table, guid: str, factory: Callable[[dict[str, int]], Model]) -> None:
         self.factory = factory
         self.model: Model = Model()
         self.method: Method = Method()
+        self.ramp: Ramp = Ramp()
         self.step: float = 0.0
         self.relative: float = 0.0
         self.max_steps: int = 0
@@ -67,6 +72,8 @@ class PlantEngine(Engine):
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
         model: Model = self.factory(choices)
+        if model.input_count > MOST_INPUTS:
+            return f"there are {model.input_count} inputs: a system has at most {MOST_INPUTS}"
         item = choices["solver.method"]
         if item == _EXACT and not model.is_linear:
             return (
@@ -96,6 +103,16 @@ class PlantEngine(Engine):
     def observe(self, group: int) -> None:
         self.model.observe(group, self.reals, self.table.first_output)
 
+    def output_rates(self) -> list[float]:
+        if not self.ready():
+            return [0.0] * len(self.model.OUTPUTS)
+        try:
+            return output_rates(self.model, self.ramp, self.slopes)
+        except (ZeroDivisionError, OverflowError, ValueError):
+            self.model.set_inputs(self.reals, self.table.first_input)
+            self.model.undo()
+            return [math.inf] * len(self.model.OUTPUTS)
+
     def count_of(self, vr: int) -> int:
         return self.method.steps if vr == self.table.first_count else self.method.evaluations
 
@@ -119,21 +136,28 @@ class PlantEngine(Engine):
             if count > self.max_steps:
                 return self.explain(TOO_MANY_STEPS, duration / count, duration)
         elif not model.is_constant and method.ORDER == 0:
-            return (
-                f"solver.method = {_EXACT} (exact) needs constant coefficients, but "
-                f"{model.variation()} at time {self.time!r} s: choose another solver.method such "
-                "as 4 (adaptive), or keep them constant"
-            )
+            return self.varying(model)
         self.kept_steps = method.steps
         self.kept_evaluations = method.evaluations
         if self.remembers:
             self.memory = method.get_state()
         model.keep()
         self.kept = True
+        moving = model
         try:
-            failure = method.advance(model, duration, int(count), self.relative, self.max_steps)
+            if self.sloped:
+                moving = self.ramp
+                self.ramp.begin(model, self.slopes, duration)
+                if method.ORDER == 0 and self.ramp.varies():
+                    message = self.varying(self.ramp)
+                    self.undo()
+                    return message
+            failure = method.advance(moving, duration, int(count), self.relative, self.max_steps)
             if failure == DONE:
-                model.advance_frame(duration)
+                if self.sloped:
+                    self.ramp.end()
+                else:
+                    model.advance_frame(duration)
                 if self.finite():
                     return ""
                 failure = NOT_FINITE
@@ -144,7 +168,17 @@ class PlantEngine(Engine):
         self.undo()
         return message
 
+    def varying(self, model: Model) -> str:
+        """The message for `exact` with coefficients that vary."""
+        return (
+            f"solver.method = {_EXACT} (exact) needs constant coefficients, but "
+            f"{model.variation()} at time {self.time!r} s: choose another solver.method such "
+            "as 4 (adaptive), or keep them constant"
+        )
+
     def undo(self) -> None:
+        if self.sloped:
+            self.take_inputs()
         self.model.undo()
         self.method.steps = self.kept_steps
         self.method.evaluations = self.kept_evaluations

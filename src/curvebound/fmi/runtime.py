@@ -48,7 +48,8 @@ VISIBLE = {
     "Engine": (
         *("queue", "do_step", "get_real", "set_real", "get_integer", "set_integer"),
         *("setup_experiment", "enter_initialization", "exit_initialization", "terminate", "reset"),
-        *("get_state", "set_state", "say", "unknown", "dependencies"),
+        *("get_state", "set_state", "say", "unknown", "dependencies", "INTERPOLATES"),
+        *("set_real_input_derivatives", "get_real_output_derivatives"),
     ),
     "System": ("create",),
 }

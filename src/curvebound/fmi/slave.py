@@ -40,6 +40,8 @@ _ENGINE = {
     "exit_initialization_mode": "exit_initialization",
     "terminate": "terminate",
 }
+#: and those of engines whose inputs may have slopes
+_DERIVATIVES = ("set_real_input_derivatives", "get_real_output_derivatives")
 
 
 class StateError(Exception):
@@ -97,6 +99,8 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
 
     fmu: Fmu
     guid_text: str
+    #: whether the binaries of all platforms pass the functions about derivatives on
+    derivatives = True
 
     def __init__(self, **kwargs: Any) -> None:
         # Not the base class's: it draws a random guid and keeps tables that are not used here.
@@ -107,6 +111,9 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         self.engine: Engine = self.fmu.system.create(table_of(self.fmu), self.guid_text)
         for name, own in _ENGINE.items():
             setattr(self, name, getattr(self.engine, own))
+        if self.engine.INTERPOLATES:
+            for name in _DERIVATIVES:
+                setattr(self, name, getattr(self.engine, name))
         warning = interpreted(self.modelName, self.resources)
         if warning:
             self.engine.say(WARNING, warning)
@@ -174,4 +181,4 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         """modelDescription.xml; needs the package curvebound, hence only where FMUs are built."""
         from curvebound.fmi.description import describe
 
-        return describe(self.fmu, self.guid_text, self.engine)
+        return describe(self.fmu, self.guid_text, self.engine, derivatives=self.derivatives)

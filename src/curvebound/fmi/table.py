@@ -29,6 +29,20 @@ NO_GROUP: Final = -1
 NOT_REAL: Final = -2
 
 
+def rate_of(names: list[str], vr: int) -> int:
+    """The variable that is the time derivative of another by its name; NO_GROUP for none."""
+    name = names[vr]
+    owner, _, last = name.rpartition(".")
+    for rate in (
+        f"{name}_rate",
+        f"{owner}.angular_velocity" if last == "angle" else "",
+        f"{owner}.v{last}" if last in ("x", "y") else "",
+    ):
+        if rate in names:
+            return names.index(rate)
+    return NO_GROUP
+
+
 class Message:
     """A log message as PythonFMU's wrapper reads it."""
 
@@ -83,6 +97,8 @@ class Table:
         self.first_input = self._first(INPUT)
         self.first_output = self._first(OUTPUT)
         self.first_count = self._first(COUNT)
+        #: by value reference: the variable that is the rate of another, or NO_GROUP
+        self.rates: list[int] = [rate_of(names, vr) for vr in range(self.size)]
         self.by_name = {name: i for i, name in enumerate(names)}
         #: that of an instance without a system, then those of the systems met so far
         self.layouts: list[Layout] = [

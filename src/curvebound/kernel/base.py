@@ -10,17 +10,21 @@ that an internal step allocates nothing. A model of one degree of freedom leaves
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar, Final
 
-__all__ = ["Model", "acceleration_of", "jacobian_of"]
+__all__ = ["MOST_INPUTS", "Inputs", "Model", "acceleration_of", "jacobian_of"]
+
+#: of one model
+MOST_INPUTS: Final = 32
+Inputs = Annotated[list[float], MOST_INPUTS]
 
 
 class Model:
     """A system q'' = f(t, q, v) with at most two degrees of freedom.
 
     Time in every method is counted from the start of the present communication step; inputs are
-    constant over it. Subclasses declare the names of their variables, in the order in which values
-    are passed, exactly as the FMU shows them:
+    constant over it (ramp.Ramp makes them linear in time). Subclasses declare the names of their
+    variables, in the order in which values are passed, exactly as the FMU shows them:
 
     PARAMETERS  names of the Real parameters, CHOICES names of the enumeration parameters
     INPUTS      names of the Real inputs
@@ -40,6 +44,10 @@ class Model:
         self.q1: float = 0.0
         self.v0: float = 0.0
         self.v1: float = 0.0
+        self.input_count: int = len(self.INPUTS)
+        #: the present inputs, in the order of INPUTS, and their slopes: for take_inputs()
+        self.inputs: Inputs = [0.0] * MOST_INPUTS
+        self.slopes: Inputs = [0.0] * MOST_INPUTS
         #: J, net work since the start: by drive and inputs, less what damping dissipated
         self.work: float = 0.0
         #: J, energies at the start: by them it is known how much has moved since
@@ -86,7 +94,17 @@ class Model:
 
     def set_inputs(self, values: list[float], first: int) -> None:
         """Take the inputs values[first:first + len(INPUTS)], all finite, in the order of INPUTS."""
-        raise NotImplementedError
+        for i in range(self.input_count):
+            self.inputs[i] = values[first + i]
+            self.slopes[i] = 0.0
+        self.take_inputs()
+        self.refresh()
+
+    def take_inputs(self) -> None:
+        """Take over `inputs`, and of `slopes` those of the accelerations that move the frame."""
+
+    def refresh(self) -> None:
+        """Bring what is derived from state, frame and inputs up to date."""
 
     # -- equations ---------------------------------------------------------------------------------
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
@@ -112,7 +130,7 @@ class Model:
     def linear_system(self) -> list[list[float]]:
         """A, shape (5, 5), with z' = A z for z = (q0, q1, v0, v1, 1); only if is_linear.
 
-        Constant over a communication step (inputs included).
+        Constant over a communication step (inputs included). Ramp's z has the time in it, too.
         """
         raise NotImplementedError
 
@@ -146,7 +164,13 @@ class Model:
         """After an accepted internal step of h seconds, when `settles`: projection, turns."""
 
     def advance_frame(self, duration: float) -> None:
-        """At the end of a communication step: move the frame exactly (a polynomial of time)."""
+        """At the end of a communication step: move_frame(), refresh(), and whole turns."""
+
+    def move_frame(self, duration: float) -> None:
+        """Move the frame exactly (a polynomial of time): the inputs are those of its end."""
+
+    def restore_frame(self) -> None:
+        """Bring the frame back to where keep() was called."""
 
     # -- rollback and saved state ------------------------------------------------------------------
     def get_state(self) -> list[float]:

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from .angles import reduce_angle
 from .base import Model
 
-__all__ = ["FramedModel"]
+__all__ = ["THIRD", "FramedModel"]
+
+THIRD: Final = 1.0 / 3.0
 
 
 class FramedModel(Model):
     """A model whose curve is fixed to a translating frame, at rest in the origin at the start.
 
-    Frame acceleration and forces are constant over a communication step, so that position and
-    velocity of the frame are polynomials of time there and advance_frame() is exact. Inputs are no
-    part of the saved state: call set_inputs() again after set_state() with other inputs.
+    Frame acceleration and forces are constant over a communication step, or linear in time, so that
+    position and velocity of the frame are polynomials of time there and move_frame() is exact.
+    Inputs are no part of the saved state: call set_inputs() again after set_state() with others.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        # gravity (m/s2); frame: position (m), velocity (m/s), acceleration (m/s2)
+        # gravity (m/s2); frame: position (m), velocity (m/s), acceleration (m/s2), jerk (m/s3)
         self.gx: float = 0.0
         self.gy: float = 0.0
         self.x: float = 0.0
@@ -29,6 +32,8 @@ class FramedModel(Model):
         self.vy: float = 0.0
         self.ax: float = 0.0
         self.ay: float = 0.0
+        self.jx: float = 0.0
+        self.jy: float = 0.0
         #: whether the frame has a velocity or an acceleration
         self.moving: bool = False
         #: whole turns that the state angle does not contain
@@ -56,7 +61,7 @@ class FramedModel(Model):
         """Take gravity; put the frame at rest in the origin, without inputs or work done."""
         self.gx = parameters["gravity.x"]
         self.gy = parameters["gravity.y"]
-        self.x = self.y = self.vx = self.vy = self.ax = self.ay = 0.0
+        self.x = self.y = self.vx = self.vy = self.ax = self.ay = self.jx = self.jy = 0.0
         self.moving = False
         self.work = 0.0
 
@@ -86,17 +91,20 @@ class FramedModel(Model):
         self.balance_energy = self.kinetic + self.potential - self.work
         self.balance_size = self.kinetic + self.potential_size + math.fabs(self.work)
 
-    def refresh(self) -> None:
-        """Bring what is derived from state, frame and inputs up to date."""
-        raise NotImplementedError
+    def move_frame(self, duration: float) -> None:
+        half = 0.5 * duration
+        third = THIRD * duration
+        # the accelerations at the start were those at the end less duration times the jerk
+        self.x += duration * (self.vx + half * self.ax - third * duration * self.jx)
+        self.y += duration * (self.vy + half * self.ay - third * duration * self.jy)
+        self.vx += duration * (self.ax - half * self.jx)
+        self.vy += duration * (self.ay - half * self.jy)
 
-    def advance_frame(self, duration: float) -> None:
-        if self.moving:
-            half = 0.5 * duration
-            self.x += duration * (self.vx + half * self.ax)
-            self.y += duration * (self.vy + half * self.ay)
-            self.vx += duration * self.ax
-            self.vy += duration * self.ay
+    def restore_frame(self) -> None:
+        self.x = self.kept_x
+        self.y = self.kept_y
+        self.vx = self.kept_vx
+        self.vy = self.kept_vy
 
     def write_energies(self, values: list[float], at: int) -> None:
         """Write energy.kinetic, .potential, .total, .residual from values[at] on."""
@@ -163,10 +171,7 @@ class FramedModel(Model):
         self.v0 = self.kept_v0
         self.v1 = self.kept_v1
         self.work = self.kept_work
-        self.x = self.kept_x
-        self.y = self.kept_y
-        self.vx = self.kept_vx
-        self.vy = self.kept_vy
+        self.restore_frame()
         self.turns = self.kept_turns
         self.settles = self.kept_settles
         self.refresh()

@@ -20,7 +20,7 @@ class DerivedClass(ModelParts):
         """The class."""
         methods = [
             self._start(),
-            self._set_inputs(),
+            self._take_inputs(),
             self._acceleration(),
             self._power(),
             self._jacobian(),

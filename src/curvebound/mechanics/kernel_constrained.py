@@ -209,7 +209,8 @@ class ConstrainedClass(DerivedClass):
                 "        self.last_rate = rate",
             ]
         lines += ["", "    def advance_frame(self, duration: float) -> None:"]
-        return [*lines, "        self.move_frame(duration)"]
+        lines += ["        if self.moving or self.reshapes:"]
+        return [*lines, "            self.move_frame(duration)", "            self.refresh()"]
 
     def _observed(self) -> list[str]:
         at = {n: f"values[first + {i}]" for i, n in enumerate(self.m.outputs)}

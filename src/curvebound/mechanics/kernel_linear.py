@@ -64,7 +64,9 @@ class LinearClass(DerivedClass):
             '        """Nothing: turns stay in the angle."""',
             "",
             "    def advance_frame(self, duration: float) -> None:",
-            "        self.move_frame(duration)",
+            "        if self.moving or self.reshapes:",
+            "            self.move_frame(duration)",
+            "            self.refresh()",
         ]
 
     def _acceleration(self) -> list[str]:

@@ -100,6 +100,7 @@ class ModelParts(SizeParts):
         for x in self.shapes:
             for s in (x, x.rate, x.acceleration):
                 lines.append(f"        self.{self.names[s]}: float = 0.0")
+            lines.append(f"        self.{self.names[x]}_jerk: float = 0.0")
             lines.append(f"        self.kept_{self.names[x]}: float = 0.0")
             lines.append(f"        self.kept_{self.names[x.rate]}: float = 0.0")
         lines += ["        # gravity less the acceleration of the frame"]
@@ -154,7 +155,8 @@ class ModelParts(SizeParts):
         for x in self.shapes:
             lines.append(f'        self.{self.names[x]} = parameters["{x.name}_start"]')
             lines.append(f'        self.{self.names[x.rate]} = parameters["{x.rate.name}_start"]')
-            lines.append(f"        self.{self.names[x.acceleration]} = 0.0")
+            a = self.names[x]
+            lines.append(f"        self.{self.names[x.acceleration]} = self.{a}_jerk = 0.0")
         lines += ["        self.ex = self.gx", "        self.ey = self.gy"]
         for (c, f), (v, g) in zip(self.coordinates, self.rates, strict=True):
             lines.append(f'        self.{f} = parameters["{c.name}_start"]')
@@ -176,19 +178,25 @@ class ModelParts(SizeParts):
         lines += ['        """Natural sizes: how far until the slope of a position has turned."""']
         return [*lines, *self._scales(), *self._magnifies()]
 
-    def _set_inputs(self) -> list[str]:
-        lines = ["", "    def set_inputs(self, values: list[float], first: int) -> None:"]
+    def _take_inputs(self) -> list[str]:
+        lines = ["", "    def take_inputs(self) -> None:"]
         of = {s.name: s for s in self.fields}
         of |= {x.acceleration.name: x.acceleration for x in self.shapes}
         for i, name in enumerate(self.m.inputs):
-            at = f"values[first + {i}]" if i else "values[first]"
             if self.m.frame and name in (f"{self.m.frame}.ax", f"{self.m.frame}.ay"):
-                lines.append(f"        self.{name[-2:]} = {at}")
+                lines.append(f"        self.{name[-2:]} = self.inputs[{i}]")
+                lines.append(f"        self.j{name[-1]} = self.slopes[{i}]")
             elif name in of:
-                lines.append(f"        self.{self.names[of[name]]} = {at}")
+                lines.append(f"        self.{self.names[of[name]]} = self.inputs[{i}]")
+            lines += [
+                f"        self.{self.names[x]}_jerk = self.slopes[{i}]"
+                for x in self.shapes
+                if x.acceleration.name == name
+            ]
         lines += ["        self.ex = self.gx - self.ax", "        self.ey = self.gy - self.ay"]
-        lines.append("        self.refresh()")
         if self.magnified:
+            lines += ["", "    def set_inputs(self, values: list[float], first: int) -> None:"]
+            lines += ["        super().set_inputs(values, first)"]
             lines += ["        if self.fresh != 0.0:", "            self.fresh = 0.0"]
             lines += ["            self.magnification = self.magnifies()"]
         return lines
@@ -231,18 +239,24 @@ class ModelParts(SizeParts):
             lines += ["", "    def settle(self, h: float) -> None:", *self._reduced("")]
         lines += ["", "    def advance_frame(self, duration: float) -> None:"]
         lines += self._reduced("self.settles = True")
-        lines += ["        self.move_frame(duration)", ""]
-        lines += ["    def move_frame(self, duration: float) -> None:"]
-        lines += ['        """Move frame and shapes exactly."""']
-        if self.shapes:
-            lines.append("        if self.reshapes:")
+        lines += ["        if self.moving or self.reshapes:"]
+        lines += ["            self.move_frame(duration)", "            self.refresh()"]
+        if not self.shapes:
+            return lines
+        lines += ["", "    def move_frame(self, duration: float) -> None:"]
+        lines += ["        super().move_frame(duration)", "        half = 0.5 * duration"]
         for x in self.shapes:
             a = self.names[x]
-            rate = f"self.{a}_rate + 0.5 * duration * self.{a}_acceleration"
-            lines.append(f"            self.{a} += duration * ({rate})")
-            lines.append(f"            self.{a}_rate += duration * self.{a}_acceleration")
-        lines += ["        if self.moving or self.reshapes:"]
-        lines += ["            super().advance_frame(duration)", "            self.refresh()"]
+            bend = f"half * self.{a}_acceleration - THIRD * duration * duration * self.{a}_jerk"
+            lines.append(f"        self.{a} += duration * (self.{a}_rate + {bend})")
+            rate = f"self.{a}_acceleration - half * self.{a}_jerk"
+            lines.append(f"        self.{a}_rate += duration * ({rate})")
+        lines += ["", "    def restore_frame(self) -> None:", "        super().restore_frame()"]
+        lines += [
+            f"        self.{self.names[s]} = self.kept_{self.names[s]}"
+            for x in self.shapes
+            for s in (x, x.rate)
+        ]
         return lines
 
     def _reduced(self, then: str) -> list[str]:
@@ -256,9 +270,9 @@ class ModelParts(SizeParts):
         return lines
 
     def _saved(self) -> list[str]:
-        more = [self.names[s] for x in self.shapes for s in (x, x.rate)]
-        more += ["turns1"] if len(self.turning) > 1 else []
-        more += ["magnification", "fresh"] if self.magnified else []
+        others = ["turns1"] if len(self.turning) > 1 else []
+        others += ["magnification", "fresh"] if self.magnified else []
+        more = [*(self.names[s] for x in self.shapes for s in (x, x.rate)), *others]
         lines = ["", "    def set_state(self, state: list[float]) -> None:"]
         lines.append("        super().set_state(state)")
         lines += [f"        self.{n} = state[{12 + i}]" for i, n in enumerate(more)]
@@ -270,9 +284,11 @@ class ModelParts(SizeParts):
         lines.append(f"        return [*super().get_state(), {values}]")
         lines += ["", "    def keep(self) -> None:", "        super().keep()"]
         lines += [f"        self.kept_{n} = self.{n}" for n in more]
-        lines += ["", "    def undo(self) -> None:"]
-        lines += [f"        self.{n} = self.kept_{n}" for n in more]
-        return [*lines, "        super().undo()"]
+        if others:  # frame and shapes are brought back by restore_frame()
+            lines += ["", "    def undo(self) -> None:"]
+            lines += [f"        self.{n} = self.kept_{n}" for n in others]
+            lines += ["        super().undo()"]
+        return lines
 
     # -- observation -----------------------------------------------------------------------------
     def _observe(self) -> list[str]:
