@@ -17,7 +17,7 @@
  *   length B
  *   clock                  CPU seconds of this process
  *   status I               the inquiries about the last step
- *   derivatives I          the three functions about derivatives
+ *   derivatives I IN OUT   the three functions about derivatives, of an input and an output
  *   misuse I               calls with NULL arguments
  *   strange F              calls with NULL, made-up and freed components
  *   churn F COUNT GUID URI                      memory growth in bytes per instantiate and free
@@ -385,14 +385,14 @@ static void command(char **word, int n)
         TELL(f->GetStringStatus(i, 1, &text));
         say(" '%s'\n", text);
         return;
-    } else if (IS("derivatives", 2)) {
-        fmi2ValueReference vr = 0;
+    } else if (IS("derivatives", 4)) {
+        fmi2ValueReference in = (fmi2ValueReference)NUMBER(2), out = (fmi2ValueReference)NUMBER(3);
         int order = 1;
         double value = 1;
         say("=");
-        TELL(f->SetRealInputDerivatives(i, &vr, 1, &order, &value));
-        TELL(f->GetRealOutputDerivatives(i, &vr, 1, &order, &value));
-        TELL(f->GetDirectionalDerivative(i, &vr, 1, &vr, 1, &value, &value));
+        TELL(f->SetRealInputDerivatives(i, &in, 1, &order, &value));
+        TELL(f->GetRealOutputDerivatives(i, &out, 1, &order, &value));
+        TELL(f->GetDirectionalDerivative(i, &out, 1, &in, 1, &value, &value));
         say("\n");
         return;
     } else if (IS("misuse", 2)) {

@@ -123,8 +123,15 @@ def test_strange_components(host, bead, pendulum):
     assert result.answers[6] == ["OK"]
 
 
-def test_derivatives_are_not_offered(host, bead):
-    result = host([*started(bead), "derivatives 0", "step 0 0 0.1"])
+def test_derivatives_of_the_plants(host, bead):
+    commands = [f"derivatives 0 {bead.vr['wire.ax']} {bead.vr['bead.x']}", "step 0 0 0.1"]
+    result = host([*started(bead), *commands])
+    assert result.answers[5:] == [["OK", "OK", "Error"], ["OK"]]
+
+
+def test_derivatives_that_are_not_offered(host, fmus):
+    drive = fmus["ParabolaDrive"]
+    result = host([*started(drive), "derivatives 0 12 20", "step 0 0 0.1"])
     assert result.answers[5:] == [["Error"] * 3, ["OK"]]
     texts = [text for *_, text in result.logs[5]]
     for text, name in zip(texts, ("SetRealInput", "GetRealOutput", "GetDirectional"), strict=True):

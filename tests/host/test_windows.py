@@ -174,7 +174,8 @@ def test_refusals_are_those_of_linux(host, windows_host, bead, pendulum):
         ("a", bead.guid, "file:///tmp/%00"),
     ):
         commands.append("\t".join(("new", "0", "0", name, guid, uri, "0")))
-    commands += [*started(bead)[1:], "misuse 0", "derivatives 0", "status 0", "step 0 0 0.1"]
+    derivatives = f"derivatives 0 {bead.vr['wire.ax']} {bead.vr['bead.x']}"
+    commands += [*started(bead)[1:], "misuse 0", derivatives, "status 0", "step 0 0 0.1"]
     commands += [pendulum.new(1, 1), "save 0 0", "write 0 0 0", "length 0"]
     commands += ["flip 0 70", "read 0 0 1", "flip 0 70", "read 0 0 1", "restore 0 1", "restore 1 0"]
     commands += ["read 1 0 2", "drop 0 0", "restore 0 0", "step 0 0.1 0.1", "status 0"]

@@ -128,8 +128,7 @@ class Exchange:
             c_size_t(len(ports)),
             pointer,
         )
-        self._calls[id(call)] = (instance.name, function)
-        self._kept.append(call)
+        self.register(call, instance.name, function)
         return call
 
     def read(self, instance: Instance, level: int) -> list[Call]:
@@ -215,9 +214,18 @@ class Exchange:
         scene = self.system.scene
         keeps = c_int(not (scene.rolls_back or scene.goes_back))  # no rollback behind this point
         call = partial(instance.library.function("fmi2DoStep"), instance.pointer, time, size, keeps)
-        self._calls[id(call)] = (instance.name, "DoStep")
-        self._kept.append(call)
+        self.register(call, instance.name, "DoStep")
         return call
+
+    def register(self, call: Call, component: str, function: str) -> None:
+        """Take a call made elsewhere, so that its failure can be told of."""
+        self._calls[id(call)] = (component, function)
+        self._kept.append(call)
+
+    def input_place(self, target: Port) -> int:
+        """Where the value of a driven input lies in the array of its kind."""
+        at, targets = self._inputs[target[0], self.system.variable(target).kind]
+        return at + targets.index(target)
 
     def forget_calls(self) -> None:
         """Drop what belongs to instances that are gone."""

@@ -110,6 +110,8 @@ class Fmu:
     `dependencies` maps each output to the inputs that it depends on directly (an output without
     the attribute depends on all of them, FMI 2.0.3, section 2.2.8); `undeclared` are the outputs
     without it. `initial_dependencies` is the same in initialization mode.
+    takes_slopes, gives_rates: whether inputs may be linear in time over a step (with
+    fmi2SetRealInputDerivatives), and outputs tell their derivatives.
     start_time, stop_time, step (s) and tolerance are those of its DefaultExperiment; `drawing` is
     that which an FMU of curvebound carries.
     """
@@ -126,6 +128,8 @@ class Fmu:
     can_roll_back: bool
     can_serialize: bool
     can_vary_step: bool
+    takes_slopes: bool
+    gives_rates: bool
     only_once_per_process: bool
     start_time: float | None
     stop_time: float | None
@@ -273,6 +277,8 @@ def _described(path: Path) -> Fmu:
         can_roll_back=bool(kind.canGetAndSetFMUstate),
         can_serialize=bool(kind.canSerializeFMUstate),
         can_vary_step=bool(kind.canHandleVariableCommunicationStepSize),
+        takes_slopes=bool(kind.canInterpolateInputs),
+        gives_rates=int(kind.maxOutputDerivativeOrder or 0) > 0,
         only_once_per_process=bool(kind.canBeInstantiatedOnlyOncePerProcess),
         start_time=_number(experiment and experiment.startTime, "startTime"),
         stop_time=_number(experiment and experiment.stopTime, "stopTime"),

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from ..arguments import file_of, seconds, setting
 from .scene_data import SceneData
-from .scene_parts import ALGORITHMS, Adaptive
+from .scene_parts import ALGORITHMS, HOLDS, Adaptive
 
 #: endings of results' names, see curvebound.cosim.formats
 FORMATS = (".csv", ".json", ".parquet", ".npz")
@@ -31,6 +31,9 @@ def configure_changes(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--stop", metavar="T", type=seconds, help="stop time in s")
     parser.add_argument("--step", metavar="H", type=seconds, help="macro step in s")
     parser.add_argument("--algorithm", choices=ALGORITHMS, help="how coupled components advance")
+    parser.add_argument(
+        "--hold", choices=HOLDS, help="inputs over a macro step: held, or linear in time"
+    )
     parser.add_argument(
         "--adaptive",
         metavar="TOL",
@@ -78,6 +81,8 @@ def changed(scene: AnyScene, options: argparse.Namespace) -> AnyScene:
         scene.step = options.step
     if options.algorithm is not None:
         scene.algorithm = options.algorithm
+    if options.hold is not None:
+        scene.hold = options.hold
     if options.adaptive is not None:
         scene.adaptive = Adaptive(tolerance=options.adaptive)
     for path, value in options.set:

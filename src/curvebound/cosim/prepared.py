@@ -248,6 +248,7 @@ class Prepared:
             notes=[*self.system.notes, *self.log.warnings(), *_forced(counters)],
             settings={
                 "algorithm": self.scene.algorithm,
+                "hold": self.scene.hold,
                 "step": self.scene.step,
                 "adaptive": self.scene.adaptive is not None,
             },

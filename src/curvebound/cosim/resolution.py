@@ -12,7 +12,7 @@ from .capabilities import lacking, located, stops
 from .fmu import Fmu, Value, Variable, read_fmu
 from .ordering import Ordering
 from .scene_data import SceneData
-from .scene_parts import ALGORITHMS, Component
+from .scene_parts import ALGORITHMS, HOLDS, Component
 from .signals import Signal, signal
 from .system import Link, Node, Port, System
 from .system import path_of as _path
@@ -82,6 +82,13 @@ class _Resolution:
         if scene.algorithm not in ALGORITHMS:
             self.problems.append(
                 f"algorithm is {scene.algorithm!r}; " + nearest(scene.algorithm, ALGORITHMS)
+            )
+        if scene.hold not in HOLDS:
+            self.problems.append(f"hold is {scene.hold!r}; " + nearest(scene.hold, HOLDS))
+        elif scene.hold == "first" and scene.algorithm not in ("gauss_seidel", "jacobi"):
+            self.problems.append(
+                f"hold is 'first' with algorithm {scene.algorithm!r}, which is of order 2 by "
+                "holding inputs; take gauss_seidel or jacobi, or hold 'zero'"
             )
         if scene.record_every < 1:
             self.problems.append(f"record_every is {scene.record_every}; give 1 or more")

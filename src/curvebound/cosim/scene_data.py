@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 __all__ = ["SceneData"]
 
+#: settings that are words
+_WORDS = ("algorithm", "hold")
+
 
 class SceneData:
     """A scene under construction; nothing is read or checked before it is resolved."""
@@ -32,6 +35,7 @@ class SceneData:
         step: float,
         start_time: float = 0.0,
         algorithm: str = "gauss_seidel",
+        hold: str = "zero",
         order: Sequence[str] | None = None,
         groups: tuple[Sequence[str], Sequence[str]] | None = None,
         adaptive: Adaptive | None = None,
@@ -54,6 +58,9 @@ class SceneData:
             Macro step between communication points in s (the first one where `adaptive`).
         algorithm : {"gauss_seidel", "jacobi", "strang", "midpoint"}
             How components exchange values, see curvebound.cosim.algorithms.
+        hold : {"zero", "first"}
+            Inputs over a macro step: held, or linear in time where the FMUs can, see
+            curvebound.cosim.slopes.
         order : sequence of str, optional
             Component names in the order in which gauss_seidel steps them (default: derived).
         groups : pair of sequences of str, optional
@@ -82,6 +89,7 @@ class SceneData:
         self.step = _number("step", step)
         self.start_time = _number("start_time", start_time)
         self.algorithm = algorithm
+        self.hold = hold
         self.order = list(order) if order is not None else None
         self.groups = groups
         self.adaptive = adaptive
@@ -266,7 +274,7 @@ class SceneData:
         ----------
         path : str
             ``component.variable``, or step, stop_time, start_time, tolerance, loop_tolerance,
-            algorithm.
+            algorithm, hold.
         value : float, int, bool or str
             In the variable's unit, or text with a unit to convert from ("90deg").
 
@@ -295,14 +303,14 @@ class SceneData:
         return self
 
     def _set_own(self, name: str, value: Value) -> None:
-        own = ("step", "stop_time", "start_time", "tolerance", "loop_tolerance", "algorithm")
+        own = ("step", "stop_time", "start_time", "tolerance", "loop_tolerance", *_WORDS)
         if name not in own:
             raise CurveboundError(
                 f"{name} is neither a path component.variable nor a setting of the scene; "
                 + nearest(name, [*own, *self.components])
             )
-        if name == "algorithm":
-            self.algorithm = str(value)
+        if name in _WORDS:
+            setattr(self, name, str(value))
             return
         setattr(self, name, _number(name, value))
 

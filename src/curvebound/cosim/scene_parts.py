@@ -8,9 +8,10 @@ from pathlib import Path
 
 from .fmu import Value
 
-__all__ = ["ALGORITHMS", "Adaptive", "Component", "Connection", "Jumping", "Needs"]
+__all__ = ["ALGORITHMS", "HOLDS", "Adaptive", "Component", "Connection", "Jumping", "Needs"]
 
 ALGORITHMS = ("gauss_seidel", "jacobi", "strang", "midpoint")
+HOLDS = ("zero", "first")
 
 
 @dataclass

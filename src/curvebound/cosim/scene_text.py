@@ -49,7 +49,7 @@ def scene_text(scene: SceneData) -> str:
 
 def _settings(scene: SceneData) -> list[str]:
     own = [repr(scene.name), repr(scene.description)]
-    for name in ("start_time", "stop_time", "step", "algorithm", "order", "groups",
+    for name in ("start_time", "stop_time", "step", "algorithm", "hold", "order", "groups",
                  "loop_tolerance", "tolerance", "record_every"):  # fmt: skip
         own.append(f"{name}={getattr(scene, name)!r}")
     if scene.needs != Needs():

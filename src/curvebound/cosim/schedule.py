@@ -17,6 +17,7 @@ from .graph import Loop
 from .instance import Instance
 from .loops import LoopSolver
 from .signals import value_of
+from .slopes import Slopes
 from .system import Port, System
 
 __all__ = ["TRIAL", "Clock", "Schedule"]
@@ -143,8 +144,15 @@ class Schedule:
         self._stale = set(self._after_evaluation)
         calls: list[Call] = []
         reads: list[Call] = []
+        setters: dict[str, Call] = {}
+        if self.system.scene.hold == "first":
+            handed_on = self._handed_on(names) if passing_on else ()
+            slopes = Slopes(self.system, self.exchange, self.instances)
+            calls, setters = slopes.calls(names, clock.time, clock.size, handed_on)
         for name in names:
             calls += self._freshen(name)
+            if name in setters:
+                calls.append(setters[name])
             calls.append(self.exchange.do_step(self.instances[name], clock.time, clock.size))
             if passing_on and name in self.system.passing:
                 calls += self._states[name]
@@ -152,6 +160,17 @@ class Schedule:
             else:
                 reads += self._states[name]
         return calls + reads
+
+    def _handed_on(self, names: Sequence[str]) -> list[Port]:
+        """Inputs that take new outputs of components that step before theirs."""
+        rank = {name: i for i, name in enumerate(names)}
+        return [
+            link.target
+            for link in self.system.links
+            if link.source[0] in self.system.passing
+            and self.system.levels[link.source] == 0
+            and rank.get(link.source[0], len(names)) < rank.get(link.target[0], -1)
+        ]
 
     # running them
 

@@ -327,6 +327,8 @@ def _settings(scene: SceneData) -> dict[str, object]:
         "record_every": scene.record_every,
         "needs": asdict(scene.needs),
     }
+    if scene.hold != "zero":
+        settings["hold"] = scene.hold
     if scene.variants:
         settings["variants"] = scene.variants
     for name in ("order", "groups", "loop_tolerance", "tolerance"):

@@ -110,6 +110,7 @@ class _Reader:
             stop_time=stop,
             step=float(settings.get("step") or self._step(start, stop)),
             algorithm=settings.get("algorithm", "gauss_seidel"),
+            hold=settings.get("hold", "zero"),
             order=settings.get("order"),
             groups=settings.get("groups"),
             loop_tolerance=settings.get("loop_tolerance"),

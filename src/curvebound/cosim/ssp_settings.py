@@ -16,6 +16,7 @@ _MAYBE = (int, float, None)
 #: name -> shape: types, [shape of every entry], {str: shape of every value} or {name: shape}
 _SHAPE: dict[str, Any] = {
     "algorithm": (str,),
+    "hold": (str,),
     "step": _NUMBER,
     "record_every": (int,),
     "order": [(str,)],

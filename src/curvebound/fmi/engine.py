@@ -570,12 +570,12 @@ class Engine:
             self.take_inputs()
             self.pending = False
         slopes = self.slopes
-        inputs: list[float] = []
+        reals = self.reals
         if self.sloped:
             message = self.bad_slope(step_size)
             if message:
                 return self.fail(message)
-            inputs = self.reals[self.table.first_input : self.table.first_output]
+            self.reals = reals[:]
         self.kept = False
         try:
             message = self.advance(step_size)
@@ -587,8 +587,8 @@ class Engine:
                 self.end_slopes(step_size)
             self.look(False)
         except BaseException:  # an interrupt: there has been no step
-            if len(inputs) > 0:
-                self.reals[self.table.first_input : self.table.first_output] = inputs
+            if slopes is not self.slopes:
+                self.reals = reals
                 self.slopes = slopes
                 self.sloped = True
             if self.kept:

@@ -7,11 +7,17 @@ there, they are those of changing inputs: nothing in them needs to know.
 
 from __future__ import annotations
 
+import math
+from typing import Final
+
 from .base import MOST_INPUTS, Inputs, Model
 
 __all__ = ["Ramp"]
 
 Rows = list[list[float]]
+
+#: of a communication step
+ALIKE: Final = 4e-16
 
 
 class Ramp(Model):
@@ -25,6 +31,8 @@ class Ramp(Model):
         #: s, the communication step, and the time at which the model is
         self.duration: float = 0.0
         self.t: float = 0.0
+        #: s, by which times differ that are meant to be the same
+        self.alike: float = 0.0
         #: what the propagator needs, of the start and of the end, while `known`
         self.known: bool = False
         self.systems: list[Rows] = []
@@ -38,17 +46,15 @@ class Ramp(Model):
             self.first[i] = model.inputs[i]
             model.slopes[i] = slopes[i]
         self.duration = duration
+        self.alike = ALIKE * math.fabs(duration)
         self.known = False
         self.take_state()
         self.q0_scale, self.q1_scale = model.q0_scale, model.q1_scale
-        self.coupling = model.coupling
         self.is_linear = model.is_linear
-        # bounds: of the start, and of where the inputs lead
-        load, magnification = model.load, model.magnification
+        # a bound: of the start, and of where the inputs lead
+        magnification = model.magnification
         self.move(duration)
-        self.load = max(load, model.load)
         self.magnification = max(magnification, model.magnification)
-        self.move(0.0)
         self.works = True
         self.settles = model.settles
 
@@ -65,7 +71,7 @@ class Ramp(Model):
 
     def at(self, t: float) -> None:
         """Bring the model's inputs and frame to time t."""
-        if t != self.t:
+        if math.fabs(t - self.t) > self.alike:
             self.move(t)
 
     def move(self, t: float) -> None:
@@ -93,7 +99,7 @@ class Ramp(Model):
 
     # -- equations ---------------------------------------------------------------------------------
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
-        if t != self.t:
+        if math.fabs(t - self.t) > self.alike:
             self.move(t)
         model = self.model
         model.acceleration(0.0, q0, q1, v0, v1)
@@ -103,12 +109,12 @@ class Ramp(Model):
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
     ) -> float:
-        if t != self.t:
+        if math.fabs(t - self.t) > self.alike:
             self.move(t)
         return self.model.power(0.0, q0, q1, v0, v1, a0, a1)
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
-        if t != self.t:
+        if math.fabs(t - self.t) > self.alike:
             self.move(t)
         model = self.model
         model.jacobian(0.0, q0, q1, v0, v1)

@@ -80,13 +80,16 @@ def refer(
 
     changes: parameter values by path on top of the scene's: numbers, items of enumerations, or
         arrays, one value for each member of an ensemble.
-    continuous: whether control laws and input functions act all the time, see monolith.
+    continuous: whether control laws and input functions act all the time, see monolith; they do in
+        a scene whose hold is first.
     progress: called now and then with the share done.
     Raises CurveboundError for a component without equations or a motion that ends in between.
     References are kept on disk, see reference_cache.py.
     """
     end = system.scene.stop_time if stop is None else stop
     begin = system.scene.start_time
+    # inputs that are not held tend to what acts all the time
+    continuous = continuous or system.scene.hold == "first"
 
     def tell(share: float) -> None:
         if progress is not None:
