@@ -11,7 +11,7 @@ from motions import bead, pendulum, table
 from PIL import Image
 
 from curvebound.errors import CurveboundError
-from curvebound.view import write_gif, write_picture
+from curvebound.view import Movie, write_gif, write_picture
 from curvebound.view.stage import palette
 
 
@@ -68,7 +68,7 @@ def test_gaps_and_infinities_draw_without_a_warning(tmp_path: Path) -> None:
 
 
 def test_an_animation_runs_in_real_time(tmp_path: Path) -> None:
-    out = write_gif(pendulum(5.0, 0.01), tmp_path / "pendulum.gif", seconds=2.0)
+    out = write_gif(pendulum(5.0, 0.01), tmp_path / "pendulum.gif", movie=Movie(seconds=2.0))
     with Image.open(out) as gif:
         assert gif.n_frames == 51
         assert gif.info["duration"] == 40, "25 frames a second"

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from ..arguments import file_of
 from ..output import say
+from . import movies
 
 if TYPE_CHECKING:
     from ..fmi.drawing import Drawing
@@ -43,9 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--picture", type=file_of(".png"), metavar="FILE.png", help="also draw a still picture"
     )
-    parser.add_argument(
-        "--gif", type=file_of(".gif"), metavar="FILE.gif", help="also draw an animated picture"
-    )
+    movies.configure(parser)
     parser.add_argument(
         "--system",
         action="append",
@@ -60,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     """Read, write, say where."""
     from ..errors import CurveboundError
     from ..fmi.folder import BESIDE, systems_in
-    from ..view import read_result, write_gif, write_picture, write_replay
+    from ..view import read_result, write_picture, write_replay
 
     paths = [_split(text) for text in options.results]
     labels = _labels(paths)
@@ -81,12 +80,12 @@ def run(options: argparse.Namespace) -> int:
     written = [out]
     if options.picture:
         written.append(write_picture(results, options.picture, options.title, known))
-    if options.gif:
-        written.append(write_gif(results, options.gif, known))
+    written += movies.write(results, options, known)
     for note in notes:
         say(options, f"note: {note}")
     for path in written:
-        say(options, f"{path} ({path.stat().st_size / 1e6:.2f} MB)")
+        size = "" if path.is_dir() else f" ({path.stat().st_size / 1e6:.2f} MB)"
+        say(options, f"{path}{size}")
     if options.open:
         import webbrowser
 

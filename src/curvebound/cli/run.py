@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from ..arguments import file_of
 from ..cosim.options import configure as _configure
 from ..output import say
+from . import movies
 
 if TYPE_CHECKING:
     from ..cosim import Result, Scene
@@ -40,9 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--picture", metavar="FILE.png", type=file_of(".png"), help="draw the motion"
     )
-    parser.add_argument(
-        "--gif", metavar="FILE.gif", type=file_of(".gif"), help="an animated picture"
-    )
+    movies.configure(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -51,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
     from ..cosim.command import run_all
 
     scene = load_scene(options.scene)
-    drawn = options.replay is not None or options.picture is not None or options.gif is not None
+    drawn = options.replay is not None or options.picture is not None or movies.asked(options)
     if drawn and not scene.recorded:  # more than what the scene needs, to see it move
         scene.record(*(f"{name}.*" for name in scene.components))
     results = run_all(scene, options)
@@ -61,10 +60,8 @@ def run(options: argparse.Namespace) -> int:
         from ..view import write_picture
 
         say(options, str(write_picture(results, options.picture)))
-    if options.gif is not None:
-        from ..view import write_gif
-
-        say(options, str(write_gif(results, options.gif)))
+    for path in movies.write(results, options):
+        say(options, str(path))
     return 0
 
 
