@@ -24,13 +24,16 @@ from curvebound.cosim import load_scene, scene_names
 from curvebound.fmi.build import build
 from curvebound.fmi.compile import why_not
 
-__all__ = ["GROUPS", "PICTURES", "SPEED"]
+__all__ = ["GROUPS", "LEVELS", "PICTURES", "SPEED"]
 
 Data = dict[str, Any]
 ROOT = Path(__file__).parents[2]
 
 #: figures that say how fast this machine was at that moment
-SPEED = {"wall", "seconds", "times"}
+SPEED = {"wall", "seconds", "times", "costs"}
+#: sections of the cost benchmark, and the errors for which it tells the cost of a method
+COSTS = ("kernel", "fmu", "accuracy", "size")
+LEVELS = ("1e-04", "1e-06", "1e-08", "1e-10", "1e-12")
 
 #: pictures of the README, drawn from runs of these scenes
 PICTURES = ("bead_on_wire", "pendulum_large")
@@ -128,21 +131,31 @@ def models() -> Data:
     return found
 
 
-def bench() -> Data:
-    """The targets of `python tests/benchmarks cost`: ratios of CPU times from interleaved runs."""
+def cost() -> Data:
+    """Ratios of CPU times from interleaved runs, and what errors cost each method."""
     from benchmarks.__main__ import main
 
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "bench.json"
-        main(["cost", "--json", str(out)])
+        out = Path(folder) / "cost.json"
+        sections = [word for name in COSTS for word in ("--only", name)]
+        main(["cost", *sections, "--json", str(out)])
         data = json.loads(out.read_text(encoding="utf-8"))
     kept = ("name", "limit", "at_least", "measured")
-    return {"times": [{name: t[name] for name in kept} for t in data["targets"]]}
+    costs = {
+        table["title"]: {
+            row["tool and method"].removeprefix("FMU "): [row[level] for level in LEVELS]
+            for row in table["rows"]
+            if row["tool and method"].startswith("FMU ")
+        }
+        for table in data["sections"]["accuracy"]["tables"]
+        if table["title"] != "every point"
+    }
+    return {"times": [{name: t[name] for name in kept} for t in data["targets"]], "costs": costs}
 
 
 GROUPS: dict[str, Callable[[], Data]] = {
     "demo": demo,
     "errors": errors,
     "models": models,
-    "bench": bench,
+    "cost": cost,
 }

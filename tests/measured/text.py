@@ -67,13 +67,36 @@ def _models(data: Data) -> str:
     )
 
 
-def _bench(data: Data) -> str:
-    rows = "".join(
-        f"| {t['name']} | {'-' if t['measured'] is None else format(t['measured'], '.3g')} |"
-        f" {'at least' if t['at_least'] else 'at most'} {t['limit']:g} |\n"
-        for t in data["times"]
-    )
+def _cost(data: Data) -> str:
+    """The targets, those alike but for the system in one line."""
+    lines: dict[tuple[str, str], list[str]] = {}
+    for target in data["times"]:
+        name, _, system = target["name"].partition(": ")
+        aim = f"{'at least' if target['at_least'] else 'at most'} {target['limit']:g}"
+        measured = "-" if target["measured"] is None else f"{target['measured']:.3g}"
+        lines.setdefault((name, aim), []).append(f"{system} {measured}".strip())
+    rows = "".join(f"| {name} | {'; '.join(of)} | {aim} |\n" for (name, aim), of in lines.items())
     return "| what | measured | aim |\n| --- | --- | --- |\n" + rows
+
+
+def _costs(system: str) -> Callable[[Data], str]:
+    """The table of what an error costs each method, in microseconds per simulated second."""
+
+    def render(data: Data) -> str:
+        head = "<table><tr><th>method<th>1e-4<th>1e-6<th>1e-8<th>1e-10<th>1e-12</tr>\n"
+        rows = [
+            f"<tr><td>{method}"
+            + "".join(
+                '<td class="n">' + ("&ndash;" if x is None else f"{float(f'{x:.3g}'):g}")
+                for x in costs
+            )
+            + "</tr>\n"
+            for method, costs in data["costs"][system].items()
+            if any(x is not None for x in costs)
+        ]
+        return f"{head}{''.join(rows)}</table>\n"
+
+    return render
 
 
 def _forms(data: Data) -> str:
@@ -103,7 +126,10 @@ BLOCKS: dict[str, tuple[str, Callable[[Data], str]]] = {
     "demo": ("demo", _demo),
     "errors": ("errors", _errors),
     "models": ("models", _models),
-    "bench": ("bench", _bench),
+    "cost": ("cost", _cost),
+    "costs_angle": ("cost", _costs("bead, angle")),
+    "costs_cartesian": ("cost", _costs("bead, Cartesian")),
+    "costs_pendulum": ("cost", _costs("pendulum")),
     "forms": ("models", _forms),
     "fidelity": ("models", _fidelity),
     "exact": ("errors", _exact),

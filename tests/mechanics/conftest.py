@@ -10,7 +10,8 @@ from typing import Any
 import mpmath
 import pytest
 
-from curvebound.mechanics.derived import Derived, derive
+from curvebound.mechanics.derive import derive
+from curvebound.mechanics.derived import Derived
 from curvebound.mechanics.numeric import ManyDigits
 
 HERE = Path(__file__).parent

@@ -16,7 +16,8 @@ import pytest
 
 from curvebound.fmi.folder import find
 from curvebound.kernel.base import acceleration_of
-from curvebound.mechanics.derived import Derived, derive
+from curvebound.mechanics.derive import derive
+from curvebound.mechanics.derived import Derived
 from curvebound.mechanics.numeric import ManyDigits, extended
 from curvebound.study.stability.ranges import draw
 

@@ -10,7 +10,7 @@ import pytest
 from curvebound.errors import CurveboundError
 from curvebound.fmi.declaration import OUTPUT, PARAMETER, Fmu, parameter
 from curvebound.fmi.implied import complete_variables
-from curvebound.mechanics.derived import derive
+from curvebound.mechanics.derive import derive
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from curvebound.mechanics.derived import derive, derive_text
+from curvebound.mechanics.derive import derive, derive_text
 
 SYSTEMS = Path(__file__).parent / "systems"
 CYCLOID = """

@@ -25,7 +25,7 @@ from .description import timestamp
 from .documentation import documentation_files
 from .drawing import carried
 from .folder import Folder, find
-from .runtime import runtime, system_sources
+from .runtime import Runtime, SystemSources, runtime, system_sources
 
 __all__ = ["BuiltFmu", "build"]
 
@@ -122,12 +122,7 @@ def build(
     natives = {p: binary for p in binaries.PLATFORMS if (binary := binaries.compile_binary(p))}
     wrapped = len(natives) < len(binaries.PLATFORMS)
     package = sources.package(compiled=bool(extensions))
-    parts = (_HERE / "description.py", _HERE.parent / "units.py", *binaries.SOURCES)
-    described = b"".join(part.read_bytes() for part in parts)
-    system_text = "\0".join(own.files.values()).encode()
-    content = [sources.digest.encode(), described, drawing, system_text]
-    content += [path.encode() + text for path, text in stated.items()]
-    digest = hashlib.sha256(b"\0".join(content)).hexdigest()
+    digest = _digest(sources, own, drawing, stated)
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     suffix = digest[:12] + ("c" if extensions else "") + "".join(f"_{p}" for p in natives)
     system = f"{name}_system_{suffix}"
@@ -164,6 +159,16 @@ def build(
     _write(path, files)
     seconds = time.perf_counter() - began
     return BuiltFmu(name, path, f"{path}: {how}, {path.stat().st_size // 1024} kB, {seconds:.1f} s")
+
+
+def _digest(sources: Runtime, own: SystemSources, drawing: bytes, stated: dict[str, bytes]) -> str:
+    """Hash of all that makes the FMU what it is: it names the FMU and its modules."""
+    parts = (_HERE / "description.py", _HERE.parent / "units.py", *binaries.SOURCES)
+    described = b"".join(part.read_bytes() for part in parts)
+    system_text = "\0".join(own.files.values()).encode()
+    content = [sources.digest.encode(), described, drawing, system_text]
+    content += [path.encode() + text for path, text in stated.items()]
+    return hashlib.sha256(b"\0".join(content)).hexdigest()
 
 
 def _pack(name: str, main: str, texts: dict[str, bytes]) -> dict[str, bytes]:

@@ -22,7 +22,8 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
-from ..mechanics.derived import Derived, derive
+from ..mechanics.derive import derive
+from ..mechanics.derived import Derived
 from ..places import fmus_directory
 from .declaration import Fmu
 from .drawing import Drawing, Point, complete

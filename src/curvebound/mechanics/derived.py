@@ -1,18 +1,13 @@
-"""All that follows from a mechanics.py, as plain data: derived once, and read without sympy."""
+"""All that follows from a mechanics.py, as plain data."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..cache import entry, sources
-from ..errors import CurveboundError
-
-__all__ = ["Derived", "Implied", "derive", "derive_text"]
+__all__ = ["Derived", "Implied"]
 
 #: functions of equations.py: (F, values of symbols by name) -> list, or dictionary of outputs
 Function = Callable[[Any, Mapping[str, Any]], Any]
@@ -98,40 +93,3 @@ def _functions(text: str) -> dict[str, Any]:
     namespace: dict[str, Any] = {}
     exec(compile(text, "equations derived by curvebound", "exec"), namespace)
     return namespace
-
-
-def derive(path: Path, title: str = "") -> Derived:
-    """What follows from the statement MECHANICS in the file `path`, see derive_text()."""
-    return derive_text(path.read_text(encoding="utf-8"), title or path.parent.name, str(path))
-
-
-def derive_text(text: str, title: str, where: str) -> Derived:
-    """What follows from the statement MECHANICS in the text of a mechanics.py.
-
-    title: name of the system. where: of the text, for messages. Kept in the cache by content; sympy
-    is needed only where it is not there. Raises CurveboundError for what cannot be derived.
-    """
-    parts = [title, text, sources(Path(__file__).parent)]
-    folder = entry("mechanics", parts, lambda scratch: _write(text, title, where, scratch))
-    return _read(folder, (folder / "derived.json").stat().st_mtime_ns)
-
-
-@lru_cache(maxsize=64)
-def _read(folder: Path, _: int) -> Derived:
-    found = json.loads((folder / "derived.json").read_text(encoding="utf-8"))
-    found["variables"] = tuple(Implied(**v) for v in found["variables"])
-    whole: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found.items()}
-    return Derived(**whole)
-
-
-def _write(text: str, title: str, where: str, folder: Path) -> None:
-    try:
-        from .deriving import derived_from
-    except ImportError as error:
-        raise CurveboundError(
-            f"{where} states a system that has to be derived, which needs sympy ({error}): install "
-            "curvebound with its extra `systems`."
-        ) from error
-    found = asdict(derived_from(text, title, where))
-    found["variables"] = [v._asdict() for v in found["variables"]]
-    (folder / "derived.json").write_text(json.dumps(found), encoding="utf-8")

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from ..errors import CurveboundError, nearest
 from ..fmi.declaration import CHOICE, INPUT, OUTPUT, PARAMETER
 from ..fmi.folder import find
-from ..mechanics.derived import Derived, derive
+from ..mechanics.derive import derive
+from ..mechanics.derived import Derived
 from ..mechanics.numeric import ManyDigits
 from ..units import number
 from .extras import require

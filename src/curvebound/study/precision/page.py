@@ -45,7 +45,6 @@ def study_page(
 ) -> Path:
     """Write the page of one scene to `out`; pictures are taken from the files beside it."""
     folder = out.parent
-    good = usable(rows)
     parts = [
         f"<header><h1>{html.escape(name)}</h1><p class=muted>{html.escape(description)}; errors of "
         f"{html.escape(', '.join(paths))}, in their units, the largest of them.</p></header><main>"
@@ -57,19 +56,7 @@ def study_page(
         items = "".join(f"<li>{html.escape(text)}</li>" for text in taught)
         parts.append(f"<h2>What it teaches</h2><ul>{items}</ul>")
     parts.append("<h2>The cheapest setting for an error</h2>")
-    parts.append(
-        table(
-            ["error below", "setting", "size", "macro step / s", "error", "CPU s per s",
-             "not told apart"],
-            [
-                [f"{level:.0e}", *(_setting(row) if row else ["none", "-", "-"]),
-                 row["error"] if row else None, spread_of(row) if row else None,
-                 ", ".join(map(name_of, equals(good, level))) or "-"]
-                for level, row in crossings(rows)
-            ],
-            words=(0, 1, 6),
-        )
-    )  # fmt: skip
+    parts.append(_cheapest(rows))
     parts.append("<h2>Work and precision</h2>")
     parts.append(figure(folder / "work.svg", "error over CPU time for every setting"))
     parts.append(figure(folder / "precision.svg", "error over micro step and tolerance"))
@@ -82,17 +69,7 @@ def study_page(
         )
         parts.append(figure(folder / "macro.svg", "error over macro step for each algorithm"))
     parts.append("<h2>Pareto front</h2>")
-    parts.append(
-        table(
-            ["setting", "size", "macro step / s", "error", "numerical", "model", "CPU s per s",
-             "evaluations", "energy residual / J", "drift / m"],
-            [
-                [*_setting(r), r["error"], r["numerical"], r["modelling"], r["cpu"],
-                 r["evaluations"], r["energy_residual"], r["drift"]]
-                for r in pareto(good)
-            ],
-        )
-    )  # fmt: skip
+    parts.append(_front(rows))
     parts.append("<h2>Live measures against the truth</h2>")
     parts.append(_TRUST_WORDS)
     parts.append(_trust_table(statements))
@@ -114,6 +91,33 @@ def study_page(
         "</main>"
     )
     return write_page(out, report(f"{name}: a study", "\n".join(parts), footer))
+
+
+def _cheapest(rows: Sequence[Row]) -> str:
+    good = usable(rows)
+    return table(
+        ["error below", "setting", "size", "macro step / s", "error", "CPU s per s",
+         "not told apart"],
+        [
+            [f"{level:.0e}", *(_setting(row) if row else ["none", "-", "-"]),
+             row["error"] if row else None, spread_of(row) if row else None,
+             ", ".join(map(name_of, equals(good, level))) or "-"]
+            for level, row in crossings(rows)
+        ],
+        words=(0, 1, 6),
+    )  # fmt: skip
+
+
+def _front(rows: Sequence[Row]) -> str:
+    return table(
+        ["setting", "size", "macro step / s", "error", "numerical", "model", "CPU s per s",
+         "evaluations", "energy residual / J", "drift / m"],
+        [
+            [*_setting(r), r["error"], r["numerical"], r["modelling"], r["cpu"],
+             r["evaluations"], r["energy_residual"], r["drift"]]
+            for r in pareto(usable(rows))
+        ],
+    )  # fmt: skip
 
 
 def _alike(failed: Sequence[Row]) -> list[tuple[str, list[Row]]]:

@@ -16,7 +16,8 @@ from typing import NamedTuple
 from ...fmi.declaration import CHOICE, INPUT, PARAMETER, Fmu, Variable
 from ...fmi.folder import Folder, find, names
 from ...fmi.ranges import Angle, Explored, Items, Range
-from ...mechanics.derived import Derived, derive
+from ...mechanics.derive import derive
+from ...mechanics.derived import Derived
 from ..reference.motion import Motion
 
 __all__ = ["RandomPoint", "draw", "drawer", "sampled", "systems"]

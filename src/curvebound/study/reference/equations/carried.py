@@ -13,7 +13,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ....errors import CurveboundError
-from ....mechanics.derived import Derived, derive_text
+from ....mechanics.derive import derive_text
+from ....mechanics.derived import Derived
 from .base import Equations, System
 from .mechanical import Hamilton, Mechanical
 from .propagator import propagator
