@@ -17,7 +17,7 @@ from curvebound.kernel.base import Model
 from curvebound.kernel.method import DONE
 from curvebound.kernel.methods import METHODS, create
 from curvebound.kernel.ramp import Ramp
-from curvebound.mechanics.derived import derive
+from curvebound.mechanics.derive import derive
 
 DURATION = 0.4
 
