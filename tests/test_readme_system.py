@@ -61,3 +61,13 @@ def test_what_it_says_works(written: Path) -> None:
     u, y = result["wire.bead.u"], result["wire.bead.y"]
     assert np.abs(y - 0.5 * u**2).max() < 1e-12
     assert np.ptp(result["wire.energy.total"]) > 0.1
+
+
+@pytest.mark.slow
+def test_what_takes_minutes_works_too(written: Path) -> None:
+    long = [command for command in commands() if command[0] in LONG]
+    assert {command[0] for command in long} == set(LONG)
+    for command in long:
+        assert main(command) == 0
+    scene = load_scene(written / "bead_on_parabola" / "scene.py")
+    assert np.abs(scene.run()["wire.energy.residual"]).max() < 1e-3

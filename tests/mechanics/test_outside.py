@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 import shutil
 from pathlib import Path
@@ -15,6 +16,11 @@ from curvebound.cli import main
 from curvebound.cosim import load_scene
 
 SYSTEMS = sorted(path.parent for path in (Path(__file__).parent / "systems").glob("*/fmu.py"))
+#: a parameter for the stability map: the more, the smaller the steps must be
+MAPPED = {
+    "bead_on_parabola": "wire.bead.damping=10:1000:3:log",
+    "pendulum_on_sine": "plant.pivot.damping=10:1000:3:log",
+}
 
 
 @pytest.fixture(params=SYSTEMS, ids=lambda path: path.name)
@@ -50,3 +56,26 @@ def test_it_builds_runs_and_is_drawn(system: Path) -> None:
     (residual,) = (n for n in result.names if n.endswith("energy.residual"))
     (total,) = (n for n in result.names if n.endswith("energy.total"))
     assert np.abs(result[residual]).max() < 1e-5 < 0.1 < np.ptp(result[total])
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_it_is_studied_tuned_mapped_and_sampled(system: Path, capsys) -> None:
+    scene = f"{system.name}/scene.py"
+    assert main(["study", scene, "--quick", "--no-plots"]) == 0
+    assert list(Path("build", "study").rglob("*.csv"))
+    assert main(["tune", scene, "--write"]) == 0
+    assert "solver.method" in Path(scene).read_text(encoding="utf-8")
+    assert "verified by a run" in capsys.readouterr().out
+    mapped = ["--vary", MAPPED[system.name], "--method", "rk4", "--steps", "1e-3:1:8"]
+    assert main(["stability", scene, *mapped, "--no-plots"]) == 0
+    (table,) = Path("build", "stability").rglob("*_boundaries.csv")
+    with table.open(encoding="utf-8", newline="") as lines:
+        theory = [float(row["theory_at_rest"]) for row in csv.DictReader(lines)]
+    assert theory[0] > 3.0 * theory[1] > 9.0 * theory[2] > 0.0
+    assert main(["sample", system.name, "--points", "300", "--out", "sample"]) == 0
+    (table,) = Path("sample").rglob("*.csv")
+    with table.open(encoding="utf-8", newline="") as lines:
+        verdicts = [row["verdict"] for row in csv.DictReader(lines)]
+    assert len(verdicts) == 300
+    assert verdicts.count("wrong") == verdicts.count("crashed") == 0

@@ -8,6 +8,7 @@ from .constrained import Constrained
 from .derivation import Derivation
 from .kernel_class import DerivedClass, potential_sums
 from .kernel_parts import FORCES, PLACES, SETTINGS, VELOCITIES
+from .kernel_writer import INVERSE
 from .names import Names
 
 __all__ = ["ConstrainedClass"]
@@ -113,7 +114,14 @@ class ConstrainedClass(DerivedClass):
         return [*lines, "        self.settles = True"]
 
     def _acceleration(self) -> list[str]:
-        pairs = [(f"self.a{i}", e) for i, e in enumerate(self.c.accelerations)]
+        # a reciprocal, which does not wait for the velocity that a Runge-Kutta stage knows last
+        reciprocal = 1 / self.c.square
+        first = [("inverse", reciprocal)]
+        pairs = [
+            (f"self.a{i}", e.xreplace({reciprocal: INVERSE}))
+            for i, e in enumerate(self.c.accelerations)
+        ]
+        known = [*self.known, INVERSE]
         lines = ["", f"    def acceleration(self, {self.arguments()}) -> None:"]
         constants = [*self._constant_symbols(), self.c.damping, self.c.stiffness]
         unfed = {**self.off, self.c.damping: 0, self.c.stiffness: 0}
@@ -123,9 +131,11 @@ class ConstrainedClass(DerivedClass):
         ):
             lines.append(f"        if {condition}:")
             plain = [(t, e.subs(off)) for t, e in pairs]
-            lines += self.body(plain, self.known, indent=" " * 12, hoist=constants)
+            lines += self.body(first, self.known, indent=" " * 12, hoist=constants)
+            lines += self.body(plain, known, indent=" " * 12, hoist=constants)
             lines.append("            return")
-        return lines + self.body(pairs, self.known, hoist=constants)
+        lines += self.body(first, self.known, hoist=constants)
+        return lines + self.body(pairs, known, hoist=constants)
 
     def _power(self) -> list[str]:
         lines = ["", f"    def power(self, {self.arguments()}, a0: float, a1: float) -> float:"]

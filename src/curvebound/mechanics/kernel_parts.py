@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from .derivation import ZERO, Derivation
-from .kernel_sizes import INERTIAS, SizeParts
+from .kernel_sizes import SEARCHED, SizeParts
 from .names import Names
 from .source import Printer
 from .statement import Input
@@ -113,8 +113,8 @@ class ModelParts(SizeParts):
         lines += ["        #: whether a shape moves", "        self.reshapes: bool = False"]
         lines += ["        #: neither", "        self.plain: bool = True"]
         if self.magnified:
-            lines += ["        # what inertias() found"]
-            lines += [f"        self.{f}: float = 0.0" for f in INERTIAS]
+            lines += ["        # of the search for what magnifies errors"]
+            lines += [f"        self.{f}: float = 0.0" for f in SEARCHED]
             lines += ["        # 1 until the first inputs after the start have been seen"]
             lines += ["        self.fresh: float = 0.0"]
             lines += [f"        self.kept_{f}: float = 0.0" for f in ("magnification", "fresh")]

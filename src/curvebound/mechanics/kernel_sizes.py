@@ -13,11 +13,14 @@ from .derivation import Row
 from .kernel_writer import Writer
 from .sums import shorter
 
-__all__ = ["INERTIAS", "SizeParts"]
+__all__ = ["SEARCHED", "SizeParts"]
 
-#: fields: inertia of each coordinate, the part of their product that cannot cancel, and the work
-#: that inputs would do on the way from the frame's origin
-INERTIAS = ("inertia0", "inertia1", "apart", "pushed_by")
+#: fields of the search for what magnifies: of a place, and of all places
+SEARCHED = (
+    *(f"{of}{i}" for of in ("inertia", "ahead", "narrow", "least", "most", "far", "bends")
+      for i in "01"),
+    *("apart", "pushed_by", "closest"),
+)  # fmt: skip
 
 
 class SizeParts(Writer):
@@ -102,21 +105,53 @@ class SizeParts(Writer):
         own = [self.names[s] for s in self.d.q]
         arguments = ", ".join(f"{n}: float" for n in own)
         lines = ["", f"    def inertias(self, {arguments}) -> None:"]
-        lines += ['        """Inertia of each coordinate, and what their coupling leaves of it."""']
-        pairs = [(f"self.{f}", e) for f, e in zip(INERTIAS, self.inertias, strict=False)]
+        lines += ['        """Set what magnifies() looks at, for a place."""']
+        pairs = [(f"self.inertia{k}", e) for k, e in enumerate(self.inertias)]
+        for k, f in enumerate(self.lengths):
+            slopes = [(r.mass, r.slopes[f], r.slopes[f].diff(self.d.q[f])) for r in self.d.raw]
+            pairs.append((f"turned{k}", sympy.Add(*(m * j * b for m, j, b in slopes))))
+            pairs.append((f"bend{k}", sympy.Add(*(m * b * b for m, _, b in slopes))))
         pairs += [(f"rest{i}", e) for i, e in enumerate(self.rests)]
         still = dict.fromkeys(self.d.v, 0)
         pushes = [r.external.subs(still) - r.mass * self.d.push[r.axis] for r in self.d.raw]
         work = zip(pushes, self.d.raw, strict=True)
         pairs.append(("self.pushed_by", sympy.Add(*(f * r.position for f, r in work))))
         lines += self.body(pairs, self.d.q)
+        for k, f in enumerate(self.lengths):
+            lines += [f"        self.ahead{f} = self.narrow{f} = 0.0", f"        if bend{k} > 0.0:"]
+            lines += [f"            self.ahead{f} = -turned{k} / bend{k}"]
+            lines += [f"            self.narrow{f} = bend{k} / self.inertia{f}"]
         lines.append("        self.apart = 1.0")
         for i in range(len(self.rests)):
             lines += [
                 f"        if rest{i} < self.apart * self.inertia0 * self.inertia1:",
                 f"            self.apart = rest{i} / (self.inertia0 * self.inertia1)",
             ]
-        return [*lines, *self._looks_around()]
+        return [*lines, *self._look(), *self._looks_around()]
+
+    @property
+    def lengths(self) -> list[int]:
+        """The coordinates that are no angles."""
+        return [i for i, (c, _) in enumerate(self.coordinates) if not c.is_angle]
+
+    def _look(self) -> list[str]:
+        count = len(self.coordinates)
+        places = "".join(f", x{i}: float" for i in range(count))
+        lines = ["", f"    def look(self, energy: float{places}) -> None:"]
+        lines += ['        """Let a place count, where the energy reaches it."""']
+        lines += [f"        self.q{i} = x{i}" for i in range(count)]
+        lines += ["        try:", "            self.energies_at(0.0)"]
+        lines += [f"            self.inertias({', '.join(f'x{i}' for i in range(count))})"]
+        lines += ["        except (ArithmeticError, ValueError):  # outside of its domain"]
+        lines += ["            self.potential = math.inf"]
+        lines += ["        if self.potential - self.pushed_by <= energy:"]
+        for i in range(count):
+            lines += [f"            self.least{i} = min(self.least{i}, self.inertia{i})"]
+            lines += [f"            self.most{i} = max(self.most{i}, self.inertia{i})"]
+            if i in self.lengths:
+                lines += [f"            bends = min(x{i} * x{i}, self.far{i}) * self.narrow{i}"]
+                lines += [f"            self.bends{i} = max(self.bends{i}, bends)"]
+        return [*lines, "            self.closest = min(self.closest, self.apart)"]
 
     def _looks_around(self) -> list[str]:
         """magnifies(): largest and least inertias where energy and inputs of the start reach."""
@@ -128,11 +163,14 @@ class SizeParts(Writer):
         lines += ["        energy += 1e-9 * (self.kinetic + self.potential_size)"]
         lines += [f"        start{i} = self.q{i}" for i in range(count)]
         lines += [f"        self.inertias({', '.join(f'start{i}' for i in range(count))})"]
-        lines += [f"        least{i} = most{i} = self.inertia{i}" for i in range(count)]
-        lines += ["        apart = self.apart", "        energy -= self.pushed_by"]
+        lines += [f"        self.least{i} = self.most{i} = self.inertia{i}" for i in range(count)]
+        for i in self.lengths:  # squares of their sizes
+            lines += [f"        far = max(math.fabs(start{i}), self.q{i}_scale)"]
+            lines += [f"        self.far{i} = far * far", f"        self.bends{i} = 0.0"]
+        lines += ["        self.closest = self.apart", "        energy -= self.pushed_by"]
         deep = " " * 8
         steps: list[str] = []
-        for i, (c, f) in enumerate(self.coordinates):
+        for i, (c, _) in enumerate(self.coordinates):
             step = [f"x{i} += TURN / 12.0"]
             if c.is_angle:
                 middle = f"TURN * nearest_whole(start{i} / TURN)"
@@ -143,8 +181,8 @@ class SizeParts(Writer):
                 # passes zero beside the other
                 near = f"near{i}"
                 first = "0.0" if count == 1 else near
-                size = f"max(math.fabs(start{i}), self.{f}_scale)"
-                lines += [f"{deep}{near} = {size} / 4096.0", f"{deep}x{i} = {first}"]
+                lines += [f"{deep}{near} = math.sqrt(self.far{i}) / 4096.0"]
+                lines += [f"{deep}x{i} = {first}"]
                 lines += [f"{deep}while x{i} < 5e6 * {near}:"]
                 step = [f"if x{i} > 0.0:", f"    x{i} = -x{i}"]
                 if count == 1:
@@ -152,26 +190,19 @@ class SizeParts(Writer):
                 step += ["else:", f"    x{i} = -4.0 * x{i}"]
             deep += "    "
             steps = [deep + line for line in step] + steps
-        lines += [f"{deep}self.q{i} = x{i}" for i in range(count)]
-        lines += [f"{deep}try:", f"{deep}    self.energies_at(0.0)"]
-        lines += [f"{deep}    self.inertias({where})"]
-        lines += [f"{deep}    if self.potential - self.pushed_by <= energy:"]
-        inner = deep + " " * 8
-        for i in range(count):
-            lines += [f"{inner}least{i} = min(least{i}, self.inertia{i})"]
-            lines += [f"{inner}most{i} = max(most{i}, self.inertia{i})"]
-        lines += [f"{inner}apart = min(apart, self.apart)"]
-        lines += [f"{deep}except (ArithmeticError, ValueError):  # outside of its domain"]
-        lines += [f"{deep}    self.apart = 1.0", *steps]
-        lines += [f"        self.q{i} = start{i}" for i in range(count)]
+        lines.append(f"{deep}self.look(energy, {where})")
+        for i in self.lengths:  # on to the least inertia nearby, by the method of Gauss and Newton
+            there = where.replace(f"x{i}", f"self.q{i} + self.ahead{i}")
+            lines += [f"{deep}for _ in range(3):", f"{deep}    self.look(energy, {there})"]
+        lines += [*steps, *(f"        self.q{i} = start{i}" for i in range(count))]
         lines += ["        self.energies_at(0.0)"]
-        lines += ["        magnified = 1.0 / max(apart, 1e-16)"]
+        lines += ["        magnified = 1.0 / max(self.closest, 1e-16)"]
         for i, (c, f) in enumerate(self.coordinates):
-            if c.is_angle and f not in self.turning:  # it rounds at the size of all its turns
+            if not c.is_angle:  # it rounds at its size, which may be that of many bends
+                lines += [f"        magnified *= max(1.0, math.sqrt(self.bends{i}))"]
+            elif f not in self.turning:  # at the size of all its turns
                 lines += [f"        magnified *= max(1.0, math.fabs(start{i}))"]
-        for i in range(count):
-            lines += [f"        if least{i} < most{i}:"]
-            lines += [
-                f"            magnified *= math.sqrt(most{i} / max(least{i}, 1e-32 * most{i}))"
-            ]
+            lines += [f"        if self.least{i} < self.most{i}:"]
+            lines += [f"            least = max(self.least{i}, 1e-32 * self.most{i})"]
+            lines += [f"            magnified *= math.sqrt(self.most{i} / least)"]
         return [*lines, "        return min(magnified, 1e16)"]

@@ -36,12 +36,14 @@ _FIELDS = frozenset(
             "pushed",
             "damped",
             "reshapes",
-            "inertia0",
-            "inertia1",
-            "apart",
-            "pushed_by",
             "fresh",
             "magnification",
+            *(
+                f"{of}{i}"
+                for of in ("inertia", "ahead", "narrow", "least", "most", "bends")
+                for i in "01"
+            ),
+            *("apart", "pushed_by", "closest"),
             "kinetic",
             "potential",
         ),

@@ -1,4 +1,5 @@
 from curvebound.fmi.declaration import Fmu, output, parameter
+from curvebound.fmi.ranges import Range
 
 FMU = Fmu(
     "PendulumOnSine",
@@ -10,4 +11,5 @@ FMU = Fmu(
         parameter("rod.angle_start", "rad", 0.5, "initial angle"),
         output("rod.tension", "N", "force in the rod, positive in tension"),
     ),
+    ranges={"wire.amplitude": Range(1e-2, 10.0), "wire.wavenumber": Range(1e-2, 10.0)},
 )
