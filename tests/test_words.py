@@ -1,4 +1,4 @@
-"""The machinery knows no system: no word of one stands in the rooms that are done.
+"""The machinery knows no system: no word of one stands in it.
 
 Docstrings may name one in an example.
 """
@@ -14,8 +14,6 @@ import curvebound
 
 _PACKAGE = Path(curvebound.__file__).parent
 _WORDS = re.compile(r"bead|slider|pendulum|parabola|\bwires?\b|\bbobs?\b", re.IGNORECASE)
-#: rooms where words of a system still stand
-_TO_DO = {"cli"}
 _FOREIGN = {"uPlot.iife.min.js", "uPlot.min.css", "uPlot.LICENSE"}
 
 
@@ -55,9 +53,5 @@ def _sources() -> list[Path]:
 
 
 def test_no_word_of_a_system_in_the_machinery() -> None:
-    found = [line for path in _sources() if _room(path) not in _TO_DO for line in _found(path)]
+    found = [line for path in _sources() for line in _found(path)]
     assert not found, "\n".join(found)
-
-
-def test_no_room_is_listed_as_unfinished_that_is_done() -> None:
-    assert {_room(path) for path in _sources() if any(_found(path))} == _TO_DO

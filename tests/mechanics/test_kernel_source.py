@@ -38,9 +38,7 @@ def pairs(name: str, count: int) -> Iterator[tuple[Any, Any, float]]:
     for point in draw(NAMES[name], count, seed=15):
         real = {k: float(v) for k, v in point.values.items() if not isinstance(v, str)}
         real |= {"constraint.stiffness": 100.0, "constraint.damping": 20.0}
-        choices = {
-            k: ITEMS[k].index(v) + 1 for k, v in point.values.items() if isinstance(v, str)
-        }
+        choices = {k: ITEMS[k].index(v) + 1 for k, v in point.values.items() if isinstance(v, str)}
         models = [factory(choices), derived.model(choices)]
         for model in models:
             model.start(real, choices)

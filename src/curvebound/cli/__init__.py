@@ -2,6 +2,13 @@
 
 Exit status: 0 done, 1 the command failed and said why, 2 wrong usage (argparse), data that cannot
 be read, or a system that is short of something.
+
+examples:
+  curvebound demo                                build the FMUs, run every scene, write build/
+  curvebound list                                scenes, FMUs and their variables
+  curvebound show inverted_balance               one scene, FMU or variable in full
+  curvebound build BeadOnWire --out fmus/        one FMU for your own tool
+  curvebound run bead_on_wire --set bead.wire.radius=2 --stop 20 --out bead.csv
 """
 
 from __future__ import annotations
@@ -45,15 +52,6 @@ _COMMANDS = (
 
 _SHELLS = ("bash", "zsh", "tcsh")
 
-_EPILOG = """\
-examples:
-  curvebound demo                                build the FMUs, run every scene, write build/
-  curvebound list                                scenes, FMUs and their variables
-  curvebound show inverted_balance               one scene, FMU or variable in full
-  curvebound build BeadOnWire --out fmus/        one FMU for your own tool
-  curvebound run bead_on_wire --set bead.wire.radius=2 --stop 20 --out bead.csv
-"""
-
 
 class _Parser(argparse.ArgumentParser):
     """A parser that suggests the nearest of the words that it knows."""
@@ -93,7 +91,7 @@ def parser(only: str | None = None, *, bare: bool = False) -> argparse.ArgumentP
     root = _Parser(
         prog="curvebound",
         description="FMI 2.0 co-simulation FMUs of bodies bound to curves.",
-        epilog=_EPILOG,
+        epilog=(__doc__ or "").partition("\n\n")[2].partition("\n\n")[2],
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     root.add_argument("-V", "--version", action="version", version=f"curvebound {__version__}")
