@@ -161,5 +161,4 @@ def test_damping_explains_short_steps_that_rounding_shortens_further() -> None:
             "solver.method": 4,
         },
     )
-    step = 107.65889735714387
-    assert run(model, step, step, 1.3230034071733421e-08).steps < 300
+    assert run(model, 400.0, 100.0, 1.3e-08).steps < 300

@@ -142,6 +142,8 @@ class Radau:
         # corrections are measured by what moves the rates by as much as they are
         unit0 = math.fabs(model.v0) / h
         unit1 = math.fabs(model.v1) / h
+        # the equations are scaled by what their corrections begin with, if that is more
+        scale0 = scale1 = 0.0
         for _ in range(MOST_ITERATIONS):
             self.place(model, h)
             left0 = left1 = 0.0
@@ -160,11 +162,14 @@ class Radau:
                 unit1 = unit1 or left1
                 unit0 = unit0 or unit1 or 1.0
                 unit1 = unit1 or unit0
+            if scale0 == 0.0:
+                scale0 = max(unit0, left0)
+                scale1 = max(unit1, left1)
             if not fresh:
-                if not self.factorise(model, t, h, unit0, unit1):
+                if not self.factorise(model, t, h, scale0, scale1):
                     return False
                 fresh = True
-            self.correct(unit0, unit1)
+            self.correct(scale0, scale1)
             move0 = move1 = most0 = most1 = 0.0
             for i in range(STAGES):
                 a[i] += r[i]
