@@ -101,6 +101,22 @@ def test_a_rate_that_damping_enslaves(radius: float, formulation: int) -> None:
     assert rate == pytest.approx(9.81 * math.sin(1.161) / (1e5 * radius), rel=1e-4)
 
 
+@pytest.mark.parametrize("rate", [1e5, 1e6, 1e7])
+def test_a_rod_that_damping_enslaves(rate: float) -> None:
+    """Hung from a heavy slider: weight over damping."""
+    model = KERNEL.system(
+        "ParabolaPendulum",
+        {
+            "parabola.coefficient_start": 0.0,
+            "slider.mass": 1e12,
+            "pendulum.damping": rate,
+            "pendulum.angle_start": 2.0,
+        },
+    )
+    run(model, 2.0, 0.1, 1e-6)
+    assert model.v1 == pytest.approx(-9.81 * math.sin(model.q1) / rate, rel=1e-6)
+
+
 class Bowl(Model):
     """A bead on the parabola y = a x^2, by the textbook and with nothing else."""
 
