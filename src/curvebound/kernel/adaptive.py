@@ -31,7 +31,7 @@ MOST_SHRINKING: Final = 0.2
 #: smallest error in units of the tolerance that is told apart from none
 LEAST_ERROR: Final = 1e-8
 #: error of a step in units of the tolerance, so that over many steps the sum keeps to the tolerance
-SHARE: Final = 0.5
+SHARE: Final = 0.2
 #: an error of a step below this is rounding
 LEAST_SHARE: Final = 1e-16
 #: smallest step relative to the communication step, and that below which the state has to move

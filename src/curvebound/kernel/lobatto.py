@@ -141,7 +141,7 @@ R76: Final = 0.00675622322045605
 FARTHEST: Final = 16.0
 #: part of the tolerance to which sweeps converge: what they leave adds up from step to step, while
 #: errors of the symmetric method cancel where the motion returns
-CONVERGED: Final = 0.125
+CONVERGED: Final = 0.5
 #: most sweeps, and the slowest convergence, at which a step is not better halved
 MOST_SWEEPS: Final = 12
 SLOWEST: Final = 0.5
