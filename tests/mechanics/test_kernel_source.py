@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from curvebound.fmi.folder import find
-from curvebound.mechanics.derived import derive
+from curvebound.mechanics.derive import derive
 from curvebound.study.stability.ranges import draw
 
 FMUS = Path(__file__).parents[2] / "fmus"
