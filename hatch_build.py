@@ -1,7 +1,7 @@
-"""Build hooks: the kernels, compiled for every platform that this machine can; the README.
+"""Build hooks: what FMUs need compiled, for every platform that this machine can; the README.
 
-The kernels go into the wheel, or for an editable installation into the checkout, where git ignores
-them.
+What is compiled goes into the wheel, or for an editable installation into the checkout, where git
+ignores it.
 """
 
 from __future__ import annotations
@@ -17,24 +17,29 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 
-class CompiledKernels(BuildHookInterface[Any]):
-    """Compiles what all FMUs share, and the kernels of the systems that come with the package."""
+class Compiled(BuildHookInterface[Any]):
+    """Compiles the binary and the kernel of all FMUs, and the kernels of the package's systems."""
 
     PLUGIN_NAME = "custom"
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         source = Path(self.root) / "src"
         sys.path.insert(0, str(source))
-        from curvebound.fmi.compile import write_shipped
+        from curvebound.fmi import binaries
+        from curvebound.fmi import compile as kernels
 
         ready = source / "curvebound" / "_compiled"
         shutil.rmtree(ready, ignore_errors=True)
-        folder = ready if version == "editable" else Path(tempfile.mkdtemp(prefix="curvebound-"))
+        self.scratch = Path(tempfile.mkdtemp(prefix="curvebound-"))
+        folder = ready if version == "editable" else self.scratch
         folder.mkdir(exist_ok=True)
-        for reason in write_shipped(folder):
-            self.app.display_warning(f"without compiled kernels {reason}")
+        for reason in (*binaries.write_shipped(folder), *kernels.write_shipped(folder)):
+            self.app.display_warning(f"without {reason}")
         for path in folder.iterdir():
             build_data["force_include"][str(path)] = f"curvebound/_compiled/{path.name}"
+
+    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+        shutil.rmtree(self.scratch)
 
 
 class Readme(MetadataHookInterface):

@@ -235,7 +235,7 @@ def test_what_was_not_used_for_longest_gives_way(monkeypatch: pytest.MonkeyPatch
 def test_a_truncated_kernel_is_not_packed(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def compiled(source: Path, target: str) -> Path:
+    def compiled(source: Path, target: str, level: str) -> Path:
         made = source.with_suffix(".so")
         made.write_bytes(b"a whole kernel")
         return made

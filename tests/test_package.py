@@ -16,6 +16,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from curvebound.compiling.toolchain import PLATFORMS, compiler_for
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
@@ -38,12 +40,15 @@ WRONG = SCRIPT + "scene.add(3, 'BeadOnWire')\n"
 @pytest.fixture(scope="module")
 def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Both files, the wheel made from the sdist."""
-    folder = tmp_path_factory.mktemp("dist")
+    folder, scratch = tmp_path_factory.mktemp("dist"), tmp_path_factory.mktemp("scratch")
     done = subprocess.run(
         [sys.executable, "-m", "build", "--outdir", str(folder), str(ROOT)],
-        capture_output=True, text=True,
-    )  # fmt: skip
+        env={**os.environ, "TMPDIR": str(scratch)},
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    assert list(scratch.glob("curvebound-*")) == []
     return folder
 
 
@@ -51,7 +56,10 @@ def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def installed(
     dist: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """Runs a program of an environment that has the wheel and no extra, in an empty folder."""
+    """Runs a program of an environment that has the wheel and no extra, in an empty folder.
+
+    With further variables of its environment, if any are given.
+    """
     folder = tmp_path_factory.mktemp("user")
     python = folder / "env" / "bin" / "python"
     subprocess.run([sys.executable, "-m", "venv", str(folder / "env")], check=True)
@@ -61,11 +69,14 @@ def installed(
     environment = {**os.environ, "CURVEBOUND_CACHE": str(folder / "cache")}
     environment.pop("PYTHONPATH", None)
 
-    def run(*words: str) -> subprocess.CompletedProcess[str]:
+    def run(*words: str, **more: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [str(python.with_name(words[0])), *words[1:]], cwd=folder / "empty", env=environment,
-            capture_output=True, text=True,
-        )  # fmt: skip
+            [str(python.with_name(words[0])), *words[1:]],
+            cwd=folder / "empty",
+            env={**environment, **more},
+            capture_output=True,
+            text=True,
+        )
 
     return run
 
@@ -118,6 +129,24 @@ def test_it_works_from_an_empty_folder_without_any_extra(installed: Callable) ->
     assert ElementTree.fromstring(read.encode()).find("testsuite").get("failures") == "0"  # type: ignore[union-attr]
     run = installed("python", "-c", SCRIPT)
     assert run.stdout.split() == ["1.0", "11"], run.stderr
+
+
+@pytest.mark.skipif(
+    not all(map(compiler_for, PLATFORMS)), reason="no compiler for both: run .ci/importers"
+)
+def test_building_needs_no_compiler(installed: Callable, tmp_path: Path) -> None:
+    built = installed(
+        *("curvebound", "build", "BeadOnWire", "--out", str(tmp_path)),
+        PATH="/nowhere",
+        CURVEBOUND_CACHE=str(tmp_path / "cache"),
+    )
+    assert built.returncode == 0, built.stderr
+    names = zipfile.ZipFile(tmp_path / "BeadOnWire.fmu").namelist()
+    for binary in ("binaries/linux64/BeadOnWire.so", "binaries/win64/BeadOnWire.dll"):
+        assert binary in names
+        assert f"{Path(binary).parent.as_posix()}/guid.txt" in names  # this project's own
+    for suffix in (".abi3.so", ".pyd"):
+        assert len([n for n in names if n.startswith("resources/") and n.endswith(suffix)]) == 2
 
 
 def test_a_users_type_checker_sees_the_types(installed: Callable) -> None:

@@ -26,7 +26,7 @@ def scenarios_directory() -> Path:
 
 
 def compiled_directory() -> Path:
-    """Folder of the compiled kernels that come with an installed package; empty or absent else."""
+    """Folder of what comes compiled with an installed package; empty or absent else."""
     return _PACKAGE / "_compiled"
 
 

@@ -14,6 +14,12 @@ def fresh_cache(monkeypatch, tmp_path):
     return tmp_path / "cache"
 
 
+@pytest.fixture(autouse=True)
+def nothing_shipped(monkeypatch, tmp_path):
+    """As in a checkout that was never installed."""
+    monkeypatch.setattr(binaries, "compiled_directory", lambda: tmp_path / "shipped")
+
+
 def compiled_or_skip():
     library = binaries.compile_binary()
     if library is None:
@@ -60,3 +66,19 @@ def test_a_compiler_for_another_system_is_none_for_this(monkeypatch):
     assert toolchain.compiler_for("linux64") is None
     assert binaries.compile_binary() is None
     assert "linux64" in binaries.why_not()
+
+
+def test_what_came_with_the_package_needs_no_compiler(fresh_cache, monkeypatch, tmp_path):
+    library = compiled_or_skip()
+    (tmp_path / "shipped").mkdir()
+    reasons = list(binaries.write_shipped(tmp_path / "shipped"))
+    monkeypatch.setattr(binaries, "compiler_for", lambda target: None)
+    monkeypatch.setenv("CURVEBOUND_CACHE", str(fresh_cache.with_name("other")))
+    found = binaries.compile_binary()
+    assert found is not None
+    assert found.parent == tmp_path / "shipped"
+    assert found.read_bytes() == library.read_bytes()
+    assert binaries.why_not() == ""
+    for name in binaries.PLATFORMS:
+        named = [reason for reason in reasons if name in reason]
+        assert bool(named) == (binaries.compile_binary(name) is None)

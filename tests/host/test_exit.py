@@ -63,6 +63,7 @@ def test_one_with_pythonfmus_binary_ends_cleanly(
     poison: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(binaries, "compiler_for", lambda target: None)
+    monkeypatch.setattr(binaries, "compiled_directory", lambda: tmp_path)
     run_python(unpacked(build("BeadOnWire", tmp_path).path, tmp_path / "bead"), poison)
 
 

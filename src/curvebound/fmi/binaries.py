@@ -1,20 +1,29 @@
 """Compiling native/, the binary of an FMU: one for Linux, one for Windows, from the same sources.
 
 Compiled once for all FMUs, since it reads from the FMU around it what is particular to one, and
-cached. The same compiler gives the same bytes.
+cached, unless it came with the package. The same compiler gives the same bytes.
 """
 
 from __future__ import annotations
 
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from .. import cache
 from ..compiling.toolchain import compiler_for, compiler_parts
+from ..places import compiled_directory
 
-__all__ = ["PLATFORMS", "SOURCES", "Platform", "compile_binary", "compile_sources", "why_not"]
+__all__ = [
+    "PLATFORMS",
+    "SOURCES",
+    "Platform",
+    "compile_binary",
+    "compile_sources",
+    "why_not",
+    "write_shipped",
+]
 
 _FOLDER = Path(__file__).with_name("native")
 
@@ -57,6 +66,10 @@ class Platform:
         found = compiler_for(self.folder)
         return [*found, *_FLAGS, *files, *flags] if found else []
 
+    def shipped(self) -> str:
+        """The name of the file that comes with an installed package."""
+        return f"native_{_sources()[:12]}{self.suffix}"
+
     def files(self) -> list[str]:
         """The sources for this platform, relative to native/."""
         other = "_posix.c" if self.folder == "win64" else "_windows.c"
@@ -69,9 +82,16 @@ PLATFORMS = {
 }
 
 
+def _sources() -> str:
+    """A hash of what the binaries are made of."""
+    return cache.sources(_FOLDER, Path(__file__))
+
+
 def why_not(name: str = "linux64") -> str:
     """Why there is no binary for the platform of that name, or ''."""
     target = PLATFORMS[name]
+    if (compiled_directory() / target.shipped()).is_file():
+        return ""
     return target.failure if target.command() else f"no C compiler for {name} found"
 
 
@@ -82,15 +102,15 @@ def compile_binary(name: str = "linux64") -> Path | None:
     """
     target = PLATFORMS[name]
     target.failure = ""
+    ready = compiled_directory() / target.shipped()
+    if ready.is_file():
+        return ready
     command = target.command()
     if not command:
         return None
     file = f"native{target.suffix}"
     try:
-        parts = [
-            cache.sources(_FOLDER, Path(__file__)),
-            *compiler_parts(command),
-        ]
+        parts = [_sources(), *compiler_parts(command)]
         folder = cache.entry("binaries", parts, lambda to: compile_sources(to / file, name))
     except (OSError, subprocess.CalledProcessError) as error:
         detail = (getattr(error, "stderr", b"") or b"").decode(errors="replace")
@@ -98,6 +118,16 @@ def compile_binary(name: str = "linux64") -> Path | None:
         target.failure = f"compiling the binary for {name} failed: {text}"
         return None
     return folder / file
+
+
+def write_shipped(folder: Path) -> Iterator[str]:
+    """Write the binaries that come with the package; yields what it has to do without, and why."""
+    for name, target in PLATFORMS.items():
+        made = compile_binary(name)
+        if made is None:
+            yield f"the binary for {name}: {why_not(name)}"
+        else:
+            (folder / target.shipped()).write_bytes(made.read_bytes())
 
 
 def compile_sources(library: Path, name: str = "linux64", extra: Sequence[str] = ()) -> None:
