@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
+from curvebound.fmi.compile import why_not
+
 pytestmark = pytest.mark.usefixtures("system_python")
 
 HERE = Path(__file__).parent
@@ -187,8 +189,6 @@ def test_the_binary_runs_on_older_systems(bead):
     done = subprocess.run(
         ["objdump", "-T", bead.binary], capture_output=True, text=True, check=True
     )
-    versions = {tuple(map(int, v.split("."))) for v in re.findall(r"GLIBC_([0-9.]+)", done.stdout)}
-    assert max(versions) <= (2, 17)
     defined = {
         line.split()[-1] for line in done.stdout.splitlines() if " g " in line and ".text" in line
     }
@@ -199,6 +199,30 @@ def test_the_binary_runs_on_older_systems(bead):
     )
     needed = set(re.findall(r"NEEDED +(\S+)", done.stdout))
     assert needed <= {"libc.so.6", "libdl.so.2", "libpthread.so.0"}
+
+
+@pytest.mark.parametrize("name", ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"])
+def test_nothing_in_an_fmu_needs_a_system_newer_than_of_2012(fmus, name):
+    """Neither the binary nor the compiled kernel: symbols of glibc 2.17 at most, none of C++."""
+    folder = fmus[name].folder
+    files = [*(folder / "binaries" / "linux64").iterdir(), *(folder / "resources").rglob("*")]
+    libraries = [f for f in files if f.is_file() and f.read_bytes()[:4] == b"\x7fELF"]
+    assert len(libraries) == (1 if why_not() else 3)
+    for library in libraries:
+        done = subprocess.run(
+            ["objdump", "-T", library], capture_output=True, text=True, check=True
+        )
+        versions = re.findall(r"GLIBC_([0-9.]+)", done.stdout)
+        assert max(tuple(map(int, v.split("."))) for v in versions) <= (2, 17), library
+        assert "GLIBCXX" not in done.stdout
+        assert "CXXABI" not in done.stdout
+
+
+def test_an_old_cpp_library_first_on_the_path_does_no_harm(host, compile_host, bead, tmp_path):
+    compile_host("stub.c", tmp_path / "libstdc++.so.6", "-shared", "-fPIC")
+    vrs = bead.outputs()
+    environment = {**PLAIN, "LD_LIBRARY_PATH": str(tmp_path)}
+    assert rows(host(whole_run(bead, vrs), environment)) == in_fmpy(bead, vrs)
 
 
 # -- the same code and other code side by side

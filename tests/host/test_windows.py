@@ -146,8 +146,21 @@ def test_the_binary_needs_nothing_but_windows(bead):
 def test_valid_runs_give_linux_numbers(host, windows_host, fmus, name, python):
     commands = whole_run(fmus[name], fmus[name].outputs())
     result = windows_host(commands, python)
-    assert result.messages == []
+    assert result.messages == []  # nor that it runs interpreted
     assert_same(result, host(commands))
+
+
+@pytest.mark.parametrize("python", VERSIONS)
+def test_without_its_compiled_kernel_an_fmu_says_so(windows_host, copy_of, bead, python):
+    """So the runs without this message were compiled ones."""
+    fmu = copy_of(bead, "interpreted")
+    kernels = list((fmu.folder / "resources").glob("*.pyd"))
+    assert len(kernels) == 2
+    for kernel in kernels:
+        kernel.unlink()
+    (message,) = windows_host(fmu.start(), python).messages
+    assert "runs interpreted" in message[3]
+    assert f"cpython {python}." in message[3]
 
 
 @pytest.mark.parametrize("name", ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"])
@@ -233,6 +246,6 @@ def fuzz(fmus, name, count, tmp_path, python):
     ("name", "python"),
     [("BeadOnWire", "3.10"), ("ParabolaPendulum", "3.11"), ("ParabolaDrive", "3.13")],
 )
-def test_twenty_thousand_random_sequences(fmus, name, python, tmp_path):
-    """A third of them each."""
-    fuzz(fmus, name, 6700, tmp_path, python)
+def test_random_sequences(fmus, name, python, tmp_path):
+    """FUZZ_COUNT of them each: 6700 make the twenty thousand, which take a quarter of an hour."""
+    fuzz(fmus, name, int(os.environ.get("FUZZ_COUNT", "1000")), tmp_path, python)
