@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .api import run, sweep, tune
     from .cosim.load import load_scene
-    from .cosim.results import Result, RunFailed, read_csv
+    from .cosim.results import Result, RunFailed
     from .cosim.scene import Scene
     from .errors import CurveboundError
     from .fmi.build import build
@@ -59,7 +59,8 @@ __date__ = "2026-11-26"
 _HOME = {
     "api": ("run", "sweep", "tune"),
     "cosim.load": ("load_scene",),
-    "cosim.results": ("Result", "RunFailed", "read_csv"),
+    "cosim.results": ("Result", "RunFailed"),
+    "cosim.tables": ("read_csv",),
     "cosim.scene": ("Scene",),
     "errors": ("CurveboundError",),
     "fmi.build": ("build",),

@@ -30,8 +30,8 @@ RECORDED = {
 _STEP = 1e-3
 
 _CALLS = (
-    ("doStep, 1 internal step", 1.6),
-    ("doStep, 10 internal steps", 1.5),
+    ("doStep, 1 internal step", 1.2),
+    ("doStep, 10 internal steps", 1.2),
     ("getReal of 6, again", None),
     ("doStep + getReal of 6", None),
     ("simulate_fmu, per step", 1.35),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cosim.fmu import Fmu, extracted
-from ..cosim.results import read_csv
+from ..cosim.tables import read_csv
 from .finding import Wrong
 
 __all__ = ["Distance", "ReferenceTable", "carried"]

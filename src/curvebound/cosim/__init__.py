@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .load import load_scene, scene_names
     from .prepared import Prepared
-    from .results import Result, RunFailed, RunInterrupted, read_csv, write_csv
+    from .results import Result, RunFailed, RunInterrupted
     from .scene import Scene
     from .scene_parts import Adaptive, Needs
+    from .tables import read_csv, write_csv
 
 __all__ = [
     "Adaptive",
@@ -29,9 +30,10 @@ __all__ = [
 _HOME = {
     "load": ("load_scene", "scene_names"),
     "prepared": ("Prepared",),
-    "results": ("Result", "RunFailed", "RunInterrupted", "read_csv", "write_csv"),
+    "results": ("Result", "RunFailed", "RunInterrupted"),
     "scene": ("Scene",),
     "scene_parts": ("Adaptive", "Needs"),
+    "tables": ("read_csv", "write_csv"),
 }
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import CurveboundError
 from ..files import write_whole
-from .results import write_csv
+from .tables import write_csv
 
 __all__ = ["write_table"]
 

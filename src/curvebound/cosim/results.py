@@ -1,12 +1,7 @@
-"""What a run gives back, and the one file format that it is kept in."""
+"""What a run gives back."""
 
 from __future__ import annotations
 
-import csv
-import io
-import re
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,17 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cells import defused, undefused
-from ..errors import CurveboundError, at, reading
-from ..files import write_whole
+from ..errors import CurveboundError
 from ..fmi.drawing import Drawing
+from .formats import write_table
+from .tables import Table
 
-__all__ = ["Result", "RunFailed", "RunInterrupted", "as_csv", "read_csv", "write_csv"]
-
-#: a unit behind a column's name
-_UNIT = re.compile(r" \[[^]]*\]$")
-
-Table = NDArray[Any]  # structured: time, then one column per variable
+__all__ = ["Result", "RunFailed", "RunInterrupted"]
 
 
 @dataclass
@@ -101,8 +91,6 @@ class Result:
         CurveboundError
             It cannot be written, or has another ending.
         """
-        from .formats import write_table
-
         return write_table(self.data, Path(path), self.units, with_units=with_units)
 
 
@@ -137,91 +125,3 @@ class RunInterrupted(KeyboardInterrupt):
         super().__init__(str(failed))
         self.result = failed.result
         self.time = failed.time
-
-
-def write_csv(data: Table, path: Path | str, units: Mapping[str, str] | None = None) -> Path:
-    """Write a structured array as CSV: a header of its names, then one line per row.
-
-    units: what to write in brackets behind names, such as `time [s]`, which read_csv leaves out.
-
-    Floats are written by repr, so that reading gives the same bits; integers and Booleans (as 0
-    and 1) without a point. The file appears whole or not at all; CurveboundError where it cannot.
-    """
-    columns: dict[str, list[float]] = {}
-    for name in data.dtype.names or ():
-        column = data[name]
-        head = f"{name} [{units[name]}]" if units and name in units else name
-        columns[head] = (column.astype(int) if column.dtype.kind in "biu" else column).tolist()
-    text = as_csv(columns)
-    return write_whole(Path(path), lambda to: to.write_text(text, encoding="utf-8", newline="\n"))
-
-
-def as_csv(columns: Mapping[str, Sequence[float]]) -> str:
-    """The text of write_csv."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow(map(defused, columns))
-    for row in zip(*columns.values(), strict=True):
-        text.write(",".join(map(repr, row)) + "\n")
-    return text.getvalue()
-
-
-def read_csv(path: Path | str) -> Table:
-    """The table that Result.write or write_csv wrote, or any CSV with a header of names.
-
-    Parameters
-    ----------
-    path : Path or str
-        The file.
-
-    Returns
-    -------
-    structured array, shape (rows,)
-        A column whose every entry is an integer literal is int64, any other float64.
-
-    Raises
-    ------
-    CurveboundError
-        Names file and line where it is not such a table.
-    """
-    with reading(f"{path} cannot be read as a table", "Give a CSV with a line of names."):
-        return _table(Path(path))
-
-
-def _table(path: Path) -> Table:
-    with path.open(newline="", encoding="utf-8") as file:
-        reader = csv.reader(file)
-        lines, rows = [], []
-        for row in reader:
-            if row:
-                lines.append(reader.line_num)
-                rows.append(row)
-    if not rows:
-        raise ValueError("it is empty; a table begins with a line of column names")
-    names = [_UNIT.sub("", undefused(name).strip().strip('"')) for name in rows[0]]
-    for number, name in enumerate(names, 1):
-        if not name:
-            raise ValueError(f"column {number} has no name in line 1")
-        if names.index(name) != number - 1:
-            raise ValueError(f"line 1 names the column {name} twice")
-    for number, row in zip(lines, rows, strict=True):
-        if len(row) != len(names):
-            raise ValueError(
-                f"line {number} has {len(row)} entries where the header names {len(names)}"
-            )
-    arrays = []
-    for i, name in enumerate(names):
-        with at(f"column {name}"):
-            arrays.append(_column([row[i] for row in rows[1:]]))
-    table = np.zeros(
-        len(rows) - 1, dtype=[(n, a.dtype) for n, a in zip(names, arrays, strict=True)]
-    )
-    for name, array in zip(names, arrays, strict=True):
-        table[name] = array
-    return table
-
-
-def _column(texts: list[str]) -> NDArray[Any]:
-    if texts and all(text.strip().lstrip("+-").isdigit() for text in texts):
-        with suppress(OverflowError):  # beyond 64 bits: as near as doubles come
-            return np.array([int(text) for text in texts], dtype=np.int64)
-    return np.array([float(text) for text in texts], dtype=np.float64)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import CurveboundError, OutsideError, reading, said
-from .results import read_csv
+from .tables import read_csv
 
 __all__ = ["Signal", "SignalLike", "jumps_of", "signal", "value_of"]
 

@@ -26,10 +26,10 @@ from ..units import BASE_UNITS
 from .fmu import Value, Variable
 from .points import communication_times
 from .resolution import resolve
-from .results import as_csv
 from .scene_data import SceneData
 from .signals import value_of
 from .system import Port, System
+from .tables import as_csv
 
 __all__ = ["ANNOTATION", "NAMESPACES", "PARAMETERS", "PARAMETER_SET", "in_fmpy", "write_ssp"]
 

@@ -25,12 +25,12 @@ from xml.etree import ElementTree
 from ..errors import CurveboundError, at, reading
 from ..units import conversion
 from .fmu import Fmu, Value, Variable, extracted, read_fmu
-from .results import read_csv
 from .scene import Scene
 from .ssp import ANNOTATION, NAMESPACES
 from .ssp_settings import read_settings
 from .ssp_values import Parameter, Transformation, bound_values, number, units_of
 from .system import Port
+from .tables import read_csv
 
 __all__ = ["read_ssp"]
 

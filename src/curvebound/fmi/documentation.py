@@ -76,7 +76,8 @@ def _page(fmu: Fmu, told: str, result: ReferenceResult | None) -> str:
 <h2>Parameters</h2>
 {_variables(fmu, (PARAMETER, CHOICE, COUNT_PARAMETER))}
 <h2>Inputs</h2>
-<p>Held constant over a communication step.</p>
+<p>Held over a communication step; linear in time over it where the importer gives slopes and
+<code>canInterpolateInputs</code> is true.</p>
 {_variables(fmu, (INPUT,))}
 <h2>Outputs</h2>
 {_variables(fmu, (OUTPUT, COUNT))}

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cells import undefused
-from ..cosim.results import Result, read_csv
+from ..cosim.results import Result
+from ..cosim.tables import read_csv
 from ..errors import CurveboundError, OutsideError, reading
 from ..fmi.drawing import Drawing
 from .actors import drawings_of
