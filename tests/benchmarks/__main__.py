@@ -3,7 +3,7 @@
     python tests/benchmarks                   everything, one after the other (hours)
     python tests/benchmarks GROUP [...]       one group; GROUP --help shows its arguments
 
-groups: cost, start, pythons, macro, sweep, tune, facts, long, maps
+groups: cost, start, pythons, macro, sweep, tune, facts, long, maps, live
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ if __name__ == "__main__":  # this folder is found as `benchmarks`, not its file
 from benchmarks import (
     cost,
     facts,
+    live,
     long_runs_command,
     macro_step,
     maps_command,
@@ -39,6 +40,7 @@ GROUPS = {
     "facts": (facts, "known facts about both systems, measured anew"),
     "long": (long_runs_command, "long runs of bead and pendulum against theory"),
     "maps": (maps_command, "stability maps of both systems, 12 parameters"),
+    "live": (live, "pace, pictures and delay of live scenes in headless Chromium"),
 }
 
 

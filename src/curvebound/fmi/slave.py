@@ -73,14 +73,16 @@ def interpreted(name: str, resources: str | None) -> str:
     if not reason or name in _SAID:
         return ""
     _SAID.add(name)
-    import platform  # here only: it takes milliseconds, and most FMUs do without
+    # Here only: it takes milliseconds, and most FMUs do without. Not `platform`, which asks Windows'
+    # management service from 3.12 on: that may take seconds, and ends the process under Wine.
+    import sysconfig
 
     files = os.listdir(resources) if resources and os.path.isdir(resources) else []
     places = [
         place for suffix, place in _SUFFIXES.items() if any(f.endswith(suffix) for f in files)
     ]
     version = ".".join(map(str, sys.version_info[:3]))
-    here = f"{sys.implementation.name} {version} on {sys.platform}, {platform.machine()}"
+    here = f"{sys.implementation.name} {version} on {sysconfig.get_platform()}"
     if not places:
         return (
             f"{name} runs interpreted, 25 to 70 times slower per step, in {here}, since it was "

@@ -1,0 +1,46 @@
+"""The live page that plays for a while: nothing grows, nothing is said, time passes as it should.
+
+How fast it is, `python tests/benchmarks live` measures.
+"""
+
+from __future__ import annotations
+
+import gc
+import resource
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from browsing import Tab
+from serving import served
+
+from curvebound.cosim import scene_names
+from curvebound.view.live.plan import Plan
+
+pytestmark = pytest.mark.slow
+
+
+def resident() -> float:
+    """MB that this process, the server's, holds."""
+    gc.collect()
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize() / 1e6
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_it_plays_on(tab: Tab, plan_of: Callable[[str], Plan], tmp_path: Path, name: str) -> None:
+    clocks = "[performance.now() / 1000, curvebound.time]"
+    with served(plan_of(name), tmp_path) as serving:
+        tab.visit(f"{serving.address}#play=1")
+        tab.wait("curvebound.time > curvebound.model.start + 2")
+        held, heap = resident(), tab.run("performance.memory.usedJSHeapSize")
+        real, simulated = tab.run(clocks)
+        time.sleep(5.0)
+        until = tab.run(clocks)
+        assert until[1] > simulated
+        # a picture lies between the two clocks: it is never ahead by more
+        assert until[1] - simulated < 1.02 * (until[0] - real) + 0.1
+        assert resident() - held < 8.0
+        assert tab.run("performance.memory.usedJSHeapSize") - heap < 30e6
+        assert tab.errors == []
