@@ -73,7 +73,7 @@ def interpreted(name: str, resources: str | None) -> str:
     if not reason or name in _SAID:
         return ""
     _SAID.add(name)
-    # Here only: it takes milliseconds, and most FMUs do without. Not `platform`, which asks Windows'
+    # Here only: it takes milliseconds, and most FMUs do without. Not `platform`: it asks Windows'
     # management service from 3.12 on: that may take seconds, and ends the process under Wine.
     import sysconfig
 
