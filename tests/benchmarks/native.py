@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from curvebound import cache
+from curvebound import cache, fmi
 from curvebound.compiling.toolchain import compiler_parts
 from curvebound.errors import CurveboundError
 
@@ -29,6 +29,7 @@ __all__ = [
 ]
 
 SOURCES = Path(__file__).resolve().parent / "c"
+_FMI_TYPES = Path(fmi.__file__).with_name("native") / "fmi2.h"
 FLAGS = ("-O2", "-std=c11", "-fPIC", "-shared", "-fvisibility=default")
 
 _GRAVITY = 9.81
@@ -46,8 +47,9 @@ def compiler() -> str:
 
 
 def shared_library(source: str, *definitions: str) -> Path:
-    """Compile `source` of bench/c with -D`definitions`; cached by content, flags and compiler."""
+    """Compile `source` of c/ with -D`definitions`; cached by content, flags and compiler."""
     command = [compiler(), *FLAGS, *(f"-D{text}" for text in definitions)]
+    command.append(f"-I{_FMI_TYPES.parent}")
     name = Path(source).stem + (".dll" if sys.platform == "win32" else ".so")
 
     def make(folder: Path) -> None:
@@ -60,7 +62,12 @@ def shared_library(source: str, *definitions: str) -> Path:
         if done.returncode:
             raise CurveboundError(f"{command[0]} failed on {source}:\n{done.stderr.strip()}")
 
-    parts = [source, *command, cache.sources(SOURCES, Path(__file__)), *compiler_parts()]
+    parts = [
+        source,
+        *command,
+        cache.sources(SOURCES, _FMI_TYPES, Path(__file__)),
+        *compiler_parts(),
+    ]
     return cache.entry("bench", parts, make) / name
 
 

@@ -9,6 +9,12 @@
 
 #include <string.h>
 
+#if defined _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
 #define REAL(identifier, name, causality, unit, start) identifier,
 enum {
 #if defined PLANT_BEAD
