@@ -73,6 +73,8 @@ class Live:
             compression=None,
             ping_interval=5.0,
             ping_timeout=10.0,
+            # browsers open connections that they may never use: the end would wait for them
+            open_timeout=2.0,
             close_timeout=2.0,
             server_header=None,
             logger=_quiet,
