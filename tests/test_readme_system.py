@@ -70,4 +70,5 @@ def test_what_takes_minutes_works_too(written: Path) -> None:
     for command in long:
         assert main(command) == 0
     scene = load_scene(written / "bead_on_parabola" / "scene.py")
+    scene.record("wire.*")
     assert np.abs(scene.run()["wire.energy.residual"]).max() < 1e-3

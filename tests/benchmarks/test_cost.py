@@ -69,7 +69,7 @@ def test_quick_run_measures_everything(tmp_path: Path, capsys: pytest.CaptureFix
     assert any(row["what"] == "build, cached" for row in tables["startup"][0]["rows"])
 
     targets = data["targets"]
-    assert len(targets) == 22
+    assert len(targets) == 23
     assert all(isinstance(t["met"], bool) or t["measured"] is None for t in targets)
 
 
