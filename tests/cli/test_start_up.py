@@ -32,22 +32,22 @@ def loaded(*words: str) -> set[str]:
 @pytest.mark.parametrize(
     ("words", "allowed"),
     [
-        ((), set()),
-        (("--help",), set()),
-        (("--version",), set()),
-        (("run", "--help"), set()),
-        (("stability", "--help"), set()),
-        (("list",), set()),
-        (("list", "--json"), set()),
-        (("list", "BeadOnWire"), {"rich"}),
-        (("run", "bead_on_wire", "--stop", "0.1"), {"numpy", "fmpy"}),
-        (("run", "inverted_balance", "--stop", "0.1"), {"numpy", "fmpy"}),
+        ((), ()),
+        (("--help",), ()),
+        (("--version",), ()),
+        (("run", "--help"), ()),
+        (("stability", "--help"), ()),
+        (("list",), ()),
+        (("list", "--json"), ()),
+        (("list", "BeadOnWire"), ("rich",)),
+        (("run", "bead_on_wire", "--stop", "0.1"), ("fmpy", "numpy")),
+        (("run", "inverted_balance", "--stop", "0.1"), ("fmpy", "numpy")),
     ],
     ids=" ".join,
 )
 def test_nothing_heavy_is_loaded_that_is_not_needed(
-    words: tuple[str, ...], allowed: set[str]
+    words: tuple[str, ...], allowed: tuple[str, ...]
 ) -> None:
     if "run" in words and "--help" not in words:
         loaded(*words)  # builds the FMU, where the cache has none
-    assert loaded(*words) <= allowed
+    assert loaded(*words) <= set(allowed)
