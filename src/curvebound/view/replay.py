@@ -12,28 +12,11 @@ from numpy.typing import NDArray
 from ..cosim.differences import Difference
 from ..cosim.results import Result
 from ..fmi.drawing import Drawing
-from ..pages import common_style, document, embedded_json, filled, write_page
-from .asset_files import asset
+from ..pages import document, embedded_json, filled, write_page
+from .asset_files import asset, scene_script, scene_style
 from .model import build_model
 
 __all__ = ["About", "write_replay"]
-
-_SCRIPTS = (
-    "data.js",
-    "format.js",
-    "formula.js",
-    "ruler.js",
-    "scene.js",
-    "shared.js",
-    "bounds.js",
-    "saving.js",
-    "plots.js",
-    "gestures.js",
-    "player.js",
-    "controls.js",
-    "about.js",
-    "replay.js",
-)
 
 
 class About(NamedTuple):
@@ -73,7 +56,6 @@ def write_replay(
         "differing": [one._asdict() for one in about.differing],
         "links": dict(about.links),
     }
-    ours = "\n".join(asset(name) for name in _SCRIPTS)
     body = filled(
         asset("replay.html"),
         {
@@ -86,7 +68,7 @@ def write_replay(
     text = document(
         title,
         body,
-        style=asset("uPlot.min.css") + "\n" + common_style() + asset("replay.css"),
-        script=f'{asset("uPlot.iife.min.js")}\n(() => {{\n"use strict";\n{ours}}})();\n',
+        style=scene_style(),
+        script=scene_script("player.js", "controls.js", "about.js", "replay.js"),
     )
     return write_page(out, text)

@@ -3,8 +3,9 @@
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
 const MOST_NOTES = 4;
 
-class LivePage {
+class LivePage extends ScenePage {
   constructor(socket, model) {
+    super();
     this.socket = socket;
     this.model = model;
     this.state = { playing: false, speed: 1, time: model.start };
@@ -14,10 +15,6 @@ class LivePage {
     this.plots = [];
     this.arrived = { at: performance.now(), time: model.start };
     this.time = model.start;
-    this.frameTimes = [];
-    this.told = -Infinity;
-    this.colours = themeColours();
-    this.degrees = false;
     this.beginning = true;
     get("about").textContent = model.description ? `\u2013 ${model.description}` : "";
     this.grips = new Grips(this, model.grips);
@@ -268,27 +265,10 @@ class LivePage {
     return this.tellHint("change a start value or a setting, then press Beside");
   }
 
-  look(change) {
-    change();
-    this.dirty = true;
-  }
-
   fit() {
     if (!this.scene) return;
     this.scene.view = { ...this.model.view, world: boxOf(this) };
     this.look(() => this.scene.fit());
-  }
-
-  toggleFollow() {
-    if (!this.scene) return;
-    this.look(() => this.scene.follow(!this.scene.following));
-    get("follow").setAttribute("aria-pressed", String(this.scene.following));
-  }
-
-  toggleDegrees() {
-    this.degrees = !this.degrees;
-    get("degrees").setAttribute("aria-pressed", String(this.degrees));
-    this.redraw();
   }
 
   nextOf(id, by, around = false) {
@@ -297,32 +277,12 @@ class LivePage {
     select.dispatchEvent(new Event("change"));
   }
 
-  help() {
-    const dialog = get("help");
-    if (dialog.open) dialog.close(); else dialog.showModal();
-  }
-
   hover(t) {
     this.hovered = t;
     for (const plot of this.plots) plot.hover(t);
   }
 
   // ---- look -------------------------------------------------------------------------------
-
-  nextTheme() {
-    this.setTheme(THEMES[(THEMES.indexOf(this.theme) + 1) % THEMES.length]);
-  }
-
-  setTheme(theme) {
-    this.theme = theme;
-    applyTheme(theme);
-    this.recolour();
-  }
-
-  recolour() {
-    this.colours = themeColours();
-    this.redraw();
-  }
 
   resized() {
     const width = get("plots").clientWidth;
@@ -338,10 +298,5 @@ class LivePage {
     for (const plot of this.plots) if (!plot.element.hidden) plot.mount();
     this.dirty = true;
     this.told = -Infinity;
-  }
-
-  framesPerSecond() {
-    const n = this.frameTimes.length;
-    return n > 1 ? 1000 * (n - 1) / (this.frameTimes[n - 1] - this.frameTimes[0]) : 0;
   }
 }

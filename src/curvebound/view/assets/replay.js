@@ -1,8 +1,9 @@
 // The page: puts clock, drawing, plots and controls together.
 
 const SPEEDS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
-class Page {
+class Page extends ScenePage {
   constructor(model, channels) {
+    super();
     this.model = model;
     this.channels = channels;
     const start = Math.min(...model.results.map((result) => result.start));
@@ -14,10 +15,6 @@ class Page {
     this.timeText = timeFormatter(this.frames);
     this.window = [start, end];
     this.hovered = null;
-    this.told = -Infinity;
-    this.colours = themeColours();
-    this.frameTimes = [];
-    this.degrees = false;
     this.many = model.actors.length > 1;
     this.buildNotes();
     buildAbout(model);
@@ -190,12 +187,6 @@ class Page {
     this.redraw();
   }
 
-  toggleDegrees() {
-    this.degrees = !this.degrees;
-    get("degrees").setAttribute("aria-pressed", String(this.degrees));
-    this.redraw();
-  }
-
   buildReadouts() {
     this.cells = [];
     const { readouts, actors } = this.model, table = get("readouts");
@@ -257,44 +248,13 @@ class Page {
     get("plot-area").hidden = !this.plots.length;
   }
 
-  // Change the view of the scene and draw it.
-  look(change) {
-    change();
-    this.dirty = true;
-  }
-
-  toggleFollow() {
-    this.look(() => this.scene.follow(!this.scene.following));
-    get("follow").setAttribute("aria-pressed", String(this.scene.following));
-  }
-
   nextTrail() {
     const select = get("trail");
     select.selectedIndex = (select.selectedIndex + 1) % select.options.length;
     select.dispatchEvent(new Event("change"));
   }
 
-  help() {
-    const dialog = get("help");
-    if (dialog.open) dialog.close(); else dialog.showModal();
-  }
-
   // ---- look -------------------------------------------------------------------------------
-
-  nextTheme() {
-    this.setTheme(THEMES[(THEMES.indexOf(this.theme) + 1) % THEMES.length]);
-  }
-
-  setTheme(theme) {
-    this.theme = theme;
-    applyTheme(theme);
-    this.recolour();
-  }
-
-  recolour() {
-    this.colours = themeColours();
-    this.redraw();
-  }
 
   // Text that grows makes the page longer; only another width changes what is drawn.
   resized() {
@@ -322,12 +282,6 @@ class Page {
     if (Number.isFinite(number("t"))) this.player.seek(number("t"));
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     if (wish.get("play") === "1" || (wish.get("play") !== "0" && !calm)) this.player.play();
-  }
-
-  // Frames a second over the last few seconds, for those who measure.
-  framesPerSecond() {
-    const n = this.frameTimes.length;
-    return n > 1 ? 1000 * (n - 1) / (this.frameTimes[n - 1] - this.frameTimes[0]) : 0;
   }
 }
 
