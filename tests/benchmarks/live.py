@@ -6,8 +6,6 @@ On an otherwise idle machine: server and browser share what there is.
 from __future__ import annotations
 
 import argparse
-import gc
-import resource
 import shutil
 import sys
 import tempfile
@@ -30,6 +28,8 @@ sys.path += [str(_VIEW), str(_VIEW / "live")]
 
 from browsing import Browser, Tab  # noqa: E402
 from serving import served  # noqa: E402
+
+from .worker import resident  # noqa: E402
 
 __all__ = ["configure", "run"]
 
@@ -98,19 +98,12 @@ def _tab(browser: Browser) -> Tab:
     return tab
 
 
-def _resident() -> float:
-    """MB that this process, the server's, holds."""
-    gc.collect()
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * resource.getpagesize() / 1e6
-
-
 def _pace(tab: Tab, name: str, folder: Path, seconds: int) -> tuple[float, ...]:
     """The figures of AIMS; pictures per s are the median of windows."""
     with served(Plan(load_scene(name)), folder) as serving:
         tab.visit(f"{serving.address}#play=1")
         tab.wait("curvebound.time > curvebound.model.start + 2")
-        held, heap = _resident(), tab.run("performance.memory.usedJSHeapSize")
+        held, heap = resident(), tab.run("performance.memory.usedJSHeapSize")
         real, simulated = tab.run(_CLOCKS)
         pictures = []
         for _ in range(_WINDOWS):
@@ -120,7 +113,7 @@ def _pace(tab: Tab, name: str, folder: Path, seconds: int) -> tuple[float, ...]:
         until = tab.run(_CLOCKS)
         pace = (until[1] - simulated) / (until[0] - real)
         grown = (tab.run("performance.memory.usedJSHeapSize") - heap) / 1e6
-        figures = pace, median(pictures), _resident() - held, grown
+        figures = pace, median(pictures), (resident() - held) / 1e6, grown
     tab.close()
     return figures
 
@@ -133,10 +126,11 @@ def _delay(tab: Tab, folder: Path) -> float:
         rest = {"plant.slider.u_start": 0, "plant.pendulum.angle_start": 0}
         taken = []
         for _ in range(10):
-            tab.run(f"curvebound.send({{ do: 'restart', settings: {rest} }})")
             tab.run("curvebound.send({ do: 'set', path: 'plant.slider.fx', value: 0 })")
+            tab.run(f"curvebound.send({{ do: 'restart', settings: {rest} }})")
             tab.run("curvebound.send({ do: 'play' })")
-            tab.wait("curvebound.time > 0.3 && curvebound.time < 20")
+            tab.wait("curvebound.time < 0.3")  # the run before, pushed, was later than that
+            tab.wait("curvebound.time > 0.3")
             taken.append(tab.run(_PUSH))
     tab.close()
     return median(taken)

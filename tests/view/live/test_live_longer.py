@@ -5,13 +5,12 @@ How fast it is, `python tests/benchmarks live` measures.
 
 from __future__ import annotations
 
-import gc
-import resource
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from benchmarks.worker import resident
 from browsing import Tab
 from serving import served
 
@@ -19,13 +18,6 @@ from curvebound.cosim import scene_names
 from curvebound.view.live.plan import Plan
 
 pytestmark = pytest.mark.slow
-
-
-def resident() -> float:
-    """MB that this process, the server's, holds."""
-    gc.collect()
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * resource.getpagesize() / 1e6
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -37,6 +29,6 @@ def test_it_plays_on(tab: Tab, plan_of: Callable[[str], Plan], tmp_path: Path, n
         simulated = tab.run("curvebound.time")
         time.sleep(5.0)
         assert tab.run("curvebound.time") > simulated
-        assert resident() - held < 8.0
+        assert resident() - held < 8e6
         assert tab.run("performance.memory.usedJSHeapSize") - heap < 30e6
         assert tab.errors == []
