@@ -30,6 +30,7 @@ from .fmi.compile import why_not
 from .fmi.declaration import CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu
 from .fmi.folder import Folder
 from .mechanics.numeric import extended
+from .study.settings import STEP_ORDERS
 from .study.stability.sample import SampleSettings, run_sample
 from .study.stability.sample_report import passes
 
@@ -46,8 +47,6 @@ __all__ = [
 
 Columns = dict[str, NDArray[np.float64]]
 
-#: method -> order; `adaptive` chooses its own steps, `exact` has no error
-_ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4, "implicit": 4}
 #: steps a second from which orders are looked at: the fastest motion may need many
 _COUNTS = (50, 200, 800, 3200)
 #: states at which accelerations are compared, and how close they are, relative
@@ -130,7 +129,7 @@ def methods_have_their_orders(folder: Path | str) -> None:
         start = {**_damped(fmu), **choices}
         precise = {**start, "solver.method": "adaptive", "solver.tolerance": 1e-13}
         exact = _final(folder, precise, states)
-        for method, order in _ORDERS.items():
+        for method, order in STEP_ORDERS.items():
             tried: list[str] = []
             for count in _COUNTS:
                 errors = [
@@ -155,7 +154,7 @@ def saves_its_whole_state(folder: Path | str) -> None:
     described = read_fmu(cached_fmu(_of(folder)))
     library = Library(described)
     outputs = [v.name for v in fmu.ordered() if v.kind == OUTPUT]
-    methods = ["adaptive", *_ORDERS] if "solver.method" in described.variables else [""]
+    methods = ["adaptive", *STEP_ORDERS] if "solver.method" in described.variables else [""]
     for label, choices in _models(fmu):
         for method in methods:
             instance = Instance("system", library, Log())
@@ -201,7 +200,7 @@ def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
     fmu = _of(folder).fmu()
     plant = "solver.method" in {v.name for v in fmu.variables}
     for label, choices in _models(fmu):
-        for method in ["adaptive", *_ORDERS] if plant else [""]:
+        for method in ["adaptive", *STEP_ORDERS] if plant else [""]:
             start = {**_damped(fmu), **choices, **({"solver.method": method} if method else {})}
             one = _run(folder, start, driven=True, stop=0.3)
             other = _run(folder, start, driven=True, stop=0.3, compiled=False)

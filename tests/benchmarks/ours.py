@@ -11,6 +11,7 @@ from .contenders import Run, State4
 from .references import DURATION, on_wire
 
 __all__ = [
+    "STATES",
     "Kernel",
     "Loaded",
     "compiled_kernel",
@@ -19,7 +20,7 @@ __all__ = [
     "method_items",
 ]
 
-_STATES = {
+STATES = {
     "BeadOnWire": ("bead.x", "bead.y", "bead.vx", "bead.vy"),
     "ParabolaPendulum": (
         "slider.u",
@@ -75,7 +76,7 @@ def interpreted_kernel() -> Kernel:
     from curvebound.fmi.folder import find
     from curvebound.kernel.methods import create
 
-    return Kernel(create, {name: find(name).module("kernel").model for name in _STATES})
+    return Kernel(create, {name: find(name).module("kernel").model for name in STATES})
 
 
 def compiled_kernel() -> Kernel:
@@ -85,7 +86,7 @@ def compiled_kernel() -> Kernel:
     from curvebound.fmi.runtime import runtime, system_sources
 
     factories = {}
-    for name in _STATES:
+    for name in STATES:
         core, system = load_compiled(system_sources(find(name), runtime()))
         factories[name] = system.model
     return Kernel(core.create, factories)
@@ -160,7 +161,7 @@ class Loaded:
 
     def leap(self, slave: Any) -> Run:
         """The whole integration in one doStep."""
-        wanted = [self.references[name] for name in _STATES[self.name]]
+        wanted = [self.references[name] for name in STATES[self.name]]
         # not fmi2Reset: initialization would leave the caches to the Python interpreter
         start = slave.getFMUstate()
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from benchmarks import native
 from benchmarks.cfmu import PLANTS, build_c_fmu
-from benchmarks.ours import Loaded, interpreted_kernel
+from benchmarks.ours import STATES, Loaded, interpreted_kernel
 from benchmarks.references import REFERENCES, error_of, on_wire
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
@@ -22,15 +22,6 @@ pytestmark = pytest.mark.skipif(
     not any(map(shutil.which, ("gcc", "cc"))), reason="needs a C compiler"
 )
 
-STATES = {
-    "BeadOnWire": ("bead.x", "bead.y", "bead.vx", "bead.vy"),
-    "ParabolaPendulum": (
-        "slider.u",
-        "pendulum.angle",
-        "slider.u_rate",
-        "pendulum.angular_velocity",
-    ),
-}
 SYSTEMS = {"BeadOnWire": "bead", "ParabolaPendulum": "pendulum"}
 
 

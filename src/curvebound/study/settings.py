@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
+from ..kernel.methods import METHODS, create
 from .reference.equations import system_of
 
 if TYPE_CHECKING:
@@ -15,9 +16,15 @@ if TYPE_CHECKING:
     from ..cosim.scene import Scene
     from ..cosim.system import System
 
-__all__ = ["Setting", "Space", "space_of", "study_outputs"]
+__all__ = ["STEP_ORDERS", "Setting", "Space", "space_of", "study_outputs"]
 
 _METHOD = "solver.method"
+#: method -> order, where a given step decides the error; `adaptive` chooses it, `exact` has none
+STEP_ORDERS = {
+    name: method.ORDER
+    for item, name in enumerate(METHODS, 1)
+    if (method := create(item)).ORDER and not method.CHOOSES_STEP
+}
 #: rejected steps count too: as many as an integer of FMI holds, so that no choice meets the limit
 _MAX_STEPS = 2_000_000_000
 

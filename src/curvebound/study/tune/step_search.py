@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from ..settings import Setting
+from ..settings import STEP_ORDERS, Setting
 from .candidate import Candidate
 
 __all__ = ["AIM", "coarser", "search_size"]
 
 AIM = 0.35  # share of the bound that is aimed at
-_ORDER = {"explicit_euler": 1.0, "semi_implicit_euler": 1.0, "rk4": 4.0, "implicit": 4.0}
 _LOOSEST, _TIGHTEST = 1e-2, 1e-15  # tolerances
 _FINEST = 200_000  # micro steps in a macro step
 #: CPU seconds of a micro step times seconds, a first guess until one has been measured
@@ -95,7 +94,7 @@ def _next(setting: Setting, tried: Mapping[float, Candidate]) -> Setting | None:
     """The size at which the bound should be met, by the error law through what was tried."""
     assert setting.size is not None
     here = tried[setting.size]
-    order = 1.0 if setting.by_tolerance else _ORDER.get(setting.method, 2.0)
+    order = 1.0 if setting.by_tolerance else STEP_ORDERS.get(setting.method, 2.0)
     miss = min(max(here.miss, 1e-12), 1e12) if here.miss < math.inf else 1e3
     fits = [s for s, c in tried.items() if c.fits]
     misses = [s for s, c in tried.items() if not c.fits]
