@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -317,3 +318,24 @@ def test_the_list_of_contents_is_plain(store: Path) -> None:
     made = cache.entry("things", ["a"], Maker())
     listed = json.loads((made / "contents.json").read_text())
     assert list(listed["files"]) == ["sub/file.bin"]
+
+
+def test_what_a_stopped_process_left_is_removed_once_it_is_old() -> None:
+    folder = cache.entry("things", ["a"], Maker()).parent
+    now = time.time()
+    for name, age in ((".put-old", 86_460), (".put-new", 86_340), (".old.lock", 1e6)):
+        (folder / name).mkdir()
+        os.utime(folder / name, (now - age, now - age))
+    (folder / ".file").touch()
+    os.utime(folder / ".file", (1e9, 1e9))
+    cache.entry("things", ["b"], Maker())
+    assert sorted(p.name for p in folder.glob(".*")) == [".old.lock", ".put-new"]
+
+
+def test_a_store_of_its_own_goes_with_the_process_that_made_it(tmp_path: Path) -> None:
+    own = tmp_path / "own"
+    own.mkdir()
+    cache._remove_own(own, os.getpid() + 1)  # a fork of it ends
+    assert own.is_dir()
+    cache._remove_own(own, os.getpid())
+    assert not own.exists()

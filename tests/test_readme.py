@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from curvebound.cli import main
 
 README = Path(__file__).parents[1] / "README.md"
 TEXT = README.read_text(encoding="utf-8")
@@ -58,13 +61,26 @@ def in_a_shell(lines: str, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("number", range(len(COMMANDS)))
-def test_commands_of_the_readme_run_as_printed(number: int, tmp_path: Path) -> None:
+def test_commands_of_the_readme_run(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("pyarrow")
-    in_a_shell(COMMANDS[number], tmp_path)
+    monkeypatch.chdir(tmp_path)
+    for line in COMMANDS[number].strip().splitlines():
+        program, *words = shlex.split(line, comments=True)
+        assert program == "curvebound"
+        assert main(words) == 0
     for written in re.findall(r"--(?:out|replay|picture) (\S+\.\w+)", COMMANDS[number]):
         assert (tmp_path / written).is_file(), written
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(len(COMMANDS)))
+def test_commands_of_the_readme_run_in_a_shell(number: int, tmp_path: Path) -> None:
+    in_a_shell(COMMANDS[number], tmp_path)
+
+
+@pytest.mark.slow
 def test_the_workflow_of_the_readme_builds_checks_and_leaves_artefacts(tmp_path: Path) -> None:
     """Its commands by hand, in a repository that holds a system of one's own."""
     (workflow,) = re.findall(r"(?ms)^```yaml\n(.*?)^```$", TEXT)

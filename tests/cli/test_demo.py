@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from curvebound.cli import main
 from curvebound.cosim import Scene, load_scene
 from curvebound.errors import CurveboundError
+from curvebound.view import read_result
 
 
 def test_demo_runs_what_it_built(
@@ -29,10 +31,19 @@ def test_demo_runs_what_it_built(
     monkeypatch.setattr("curvebound.cosim.scene_names", lambda: ["absent", "pendulum_small"])
     monkeypatch.setattr("curvebound.cosim.load_scene", load)
     monkeypatch.setattr("curvebound.cosim.capabilities._built", refuse)
-    assert main(["demo", "--no-compile", "--out", str(tmp_path)]) == 1
-    said = " ".join(capsys.readouterr().out.split())
+    assert main(["demo", "--no-compile", "--json", "--out", str(tmp_path)]) == 1
+    heard = capsys.readouterr()
+    said = " ".join(heard.err.split())
     assert "failed: absent: The scene absent needs [one] more thing." in said
     assert "pendulum_small 0.1 s" in said
+    data = json.loads(heard.out)
+    assert data["failures"] == ["absent: The scene absent needs [one] more thing."]
+    (row,) = data["scenes"]
+    result = read_result(Path(row["file"])).data
+    assert row["scene"] == "pendulum_small"
+    assert row["steps"] == result["plant.solver.steps"][-1] > 0
+    assert row["residual"] == abs(result["plant.energy.residual"]).max() > 0.0
+    assert row["drift"] is None
     assert (tmp_path / "pendulum_small.csv").is_file()
     assert (tmp_path / "pendulum_small.html").is_file()
     assert "pendulum_small" in (tmp_path / "index.html").read_text(encoding="utf-8")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import zipfile
+from xml.etree import ElementTree
 
 import pytest
 
 from curvebound.cosim import Scene, load_scene
-from curvebound.cosim.ssp import write_ssp
+from curvebound.cosim.ssp import NAMESPACES, write_ssp
+from curvebound.cosim.ssp_values import Transformation
 from curvebound.errors import CurveboundError
 
 
@@ -154,3 +156,28 @@ def test_a_package_with_types_parameters_units_and_tables(
     assert result["s.y"][-1] == 7.0
     assert any("a.nothing = 9.0 of the system is ignored" in n or
                "nothing = 9.0 of a is ignored" in n for n in result.notes)  # fmt: skip
+
+
+def test_a_value_that_nothing_changes_keeps_its_type():
+    for value in ("true", "4", "off", True, 2.5):
+        assert Transformation().applied(value) is value
+    assert Transformation(1.05).applied("2") == 2.1
+    assert Transformation(1.0, 0.5).applied(2) == 2.5
+    table = Transformation(entries=(("true", "7"), ("4", "1")))
+    assert [table.applied(value) for value in (True, "4", 4, False)] == ["7", "1", "1", False]
+
+
+def test_a_package_writes_only_the_conversions_there_are(scene, tmp_path):
+    """And no time: the same scene gives the same bytes."""
+    scene.connect("a.count", "b.count_in").connect("a.y", "b.u", 1.05, 0.5)
+    with zipfile.ZipFile(write_ssp(scene, tmp_path / "typed.ssp")) as archive:
+        top = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+        assert {one.date_time for one in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+    plain, changed = (
+        one for one in top.iter(f"{{{NAMESPACES['ssd']}}}Connection") if one.get("endElement")
+    )
+    assert (plain.get("endConnector"), list(plain)) == ("count_in", [])
+    assert plain.get("suppressUnitConversion") is None
+    assert changed.get("suppressUnitConversion") == "true"
+    (linear,) = changed
+    assert (linear.get("factor"), linear.get("offset")) == ("1.05", "0.5")

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+from types import ModuleType
+
 import pytest
 
-from curvebound.cosim import RunFailed, Scene, read_csv
+from curvebound.cosim import RunFailed, Scene, command, read_csv
 from curvebound.cosim.algorithms import advance_of
 from curvebound.cosim.command import main
 from curvebound.cosim.instance import Instance
@@ -149,3 +153,18 @@ def test_two_drives_in_a_circle_of_gain_one_are_told_what_helps():
     assert "loop_tolerance" not in str(caught.value)
     scene.set("a.feedback.slider_u", 0.5)
     assert scene.run()["a.parabola.ax"][-1] == pytest.approx(1.0 / 3.0)
+
+
+@pytest.mark.parametrize("folder", [None, Path("/of/its/own")])
+def test_a_scene_of_a_script_looks_beside_the_script(folder, monkeypatch, tmp_path) -> None:
+    """Unless it was told where."""
+    run = []
+    monkeypatch.setattr(command, "run_all", lambda scene, options: run.append(scene.folder))
+    scene = Scene("own", stop_time=1.0, step=0.1)
+    scene.folder = folder
+    script = ModuleType("__main__")
+    monkeypatch.setitem(sys.modules, "__main__", script)
+    assert main(scene, []) == 0
+    script.__file__ = str(tmp_path / "script.py")
+    assert main(scene, []) == 0
+    assert run == [folder, folder or tmp_path.resolve()]

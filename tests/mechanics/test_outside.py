@@ -44,6 +44,7 @@ def test_it_takes_few_lines_and_no_derivative_by_hand(folder: Path) -> None:
     assert not re.search(r"\bdiff\b|_rate\b|velocity|acceleration", text)
 
 
+@pytest.mark.slow  # tests/test_readme_system.py does so with the system of the README
 def test_it_builds_runs_and_is_drawn(system: Path) -> None:
     assert main(["build", system.name, "--no-compile"]) == 0
     assert Path("build", f"{name_of(system)}.fmu").is_file()

@@ -6,7 +6,7 @@ import pytest
 
 from curvebound.fmi.drawing import Drawing, Plot
 from curvebound.fmi.folder import find, names
-from curvebound.view.quantities import plots_of, quantity, readouts_of
+from curvebound.view.quantities import Quantity, plots_of, quantity, readouts_of
 
 
 @pytest.mark.parametrize("fmu", names())
@@ -42,3 +42,4 @@ def test_plots_of_one_title_are_united_and_keep_both_orders() -> None:
 def test_an_unknown_variable_names_itself() -> None:
     told = quantity("engine.speed", find("BeadOnWire").drawing())
     assert (told.label, told.unit, told.error) == ("engine.speed", "", False)
+    assert quantity("wire.radius", None) == Quantity("wire.radius", "", False, "wire.radius")
