@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
-from curvebound.cosim import Scene
+from curvebound.cosim import Adaptive, Scene
 from curvebound.errors import CurveboundError
 
 
@@ -45,6 +47,33 @@ def test_settings_are_checked(mass_fmu):
     for part in ("step is -0.1", "stop_time is 0.0", "did you mean gauss_seidel?", "tolerance"):
         assert part in text
     assert "no components" in problems(scene_of())
+
+
+SETTINGS = [
+    ({"start_time": -math.inf}, "start_time is -inf; give a finite number of seconds"),
+    ({"stop_time": math.inf}, "stop_time is inf; give a finite number of seconds"),
+    ({"step": math.inf}, "step is inf; give a finite number of seconds"),
+    ({"step": 0.0}, "step is 0.0 s; give a macro step above zero"),
+    ({"start_time": 1.0}, "stop_time is 1.0 s; give one after start_time, 1.0 s"),
+    ({"hold": "frist"}, "hold is 'frist'; did you mean first"),
+    ({"hold": "first", "algorithm": "strang"}, "hold is 'first' with algorithm 'strang'"),
+    ({"record_every": 0}, "record_every is 0; give 1 or more"),
+    ({"tolerance": math.inf}, "tolerance is inf; give a number above zero, or None"),
+    ({"loop_tolerance": 0.0}, "loop_tolerance is 0.0; give a number above zero, or None"),
+    ({"adaptive": Adaptive(0.0)}, "adaptive.tolerance is 0.0; give a number above zero"),
+]
+
+
+@pytest.mark.parametrize(("settings", "words"), SETTINGS, ids=lambda case: str(case)[:30])
+def test_each_setting_alone_is_named(mass_fmu, settings, words):
+    text = problems(scene_of(("one", mass_fmu), **settings))
+    assert "has 1 problem:\n" in text
+    assert words in text
+
+
+def test_settings_at_the_edge_are_taken(mass_fmu):
+    least = {"record_every": 1, "tolerance": 5e-324, "loop_tolerance": 5e-324, "step": 5e-324}
+    scene_of(("one", mass_fmu), **least).check()
 
 
 def test_units_must_agree_or_be_converted(gain_fmu):

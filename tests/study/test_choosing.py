@@ -333,6 +333,33 @@ def test_a_macro_step_follows_from_the_order_of_the_algorithm(
     assert len(mine) == 2
 
 
+@pytest.mark.parametrize(("share", "runs"), [(1.01, 2), (0.99, 1)])
+def test_a_macro_step_whose_run_would_last_beyond_the_limit_is_not_tried(
+    monkeypatch: pytest.MonkeyPatch, share: float, runs: int
+) -> None:
+    """A run of 2 s costs 1e-5 s a second, and as many times more as it has steps."""
+    scene = load_scene("active_damping")
+    scene.stop_time = 2.0
+    finer = math.ceil(100.0 / 0.35)
+    tuner = Tuner(
+        scene, list(scene.needs.errors), continuous=True, starts=4, limit=share * 2e-5 * finer
+    )
+    try:
+
+        def law(setting: Setting) -> tuple[float, float]:
+            if setting.algorithm != "gauss_seidel":
+                return math.inf, 1e9
+            return 100.0 * setting.step / scene.step, 1e-5 * scene.step / setting.step
+
+        obeying(tuner, monkeypatch, law)
+        tried: list[Candidate] = []
+        macro = tuner._macro(dict.fromkeys(tuner.paths, 1e-3), tried, lambda _: None)
+    finally:
+        tuner.close()
+    assert len([c for c in tried if c.setting.algorithm == "gauss_seidel"]) == runs
+    assert macro.step == pytest.approx(scene.step / (finer if runs == 2 else 1))
+
+
 # -- what a reference can judge -------------------------------------------------------------------
 
 

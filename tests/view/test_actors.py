@@ -159,3 +159,13 @@ def test_a_run_tells_its_drawing_and_sizes() -> None:
     (actor,) = actors.find_actors(data, drawings_of(data, [], {"bead": own}))
     assert actor.size == 2.0
     assert actor.notes == ()
+
+
+def test_what_is_missing_is_that_of_the_nearer_way() -> None:
+    beads = [one for one in KNOWN if one.name == "BeadOnWire"]
+    data = table({"time": [0.0, 1.0], "bead.x": [0.0, 1.0]})
+    assert actors.missing(data, beads) == (
+        "BeadOnWire needs bead.x and bead.y or bead.angle; bead.y missing"
+    )
+    foreign = table({"time": [0.0, 1.0], "engine.speed": [0.0, 1.0]})
+    assert actors.missing(foreign, beads) == "BeadOnWire needs bead.x and bead.y or bead.angle"

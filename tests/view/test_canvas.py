@@ -256,3 +256,17 @@ def test_the_clock(
     assert found[:2] == [pytest.approx(expected[0]), expected[1]]
     if loop == "true" and time + speed * (now - 1000) / 1000 >= 12.0:
         assert found[2:4] == [now, pytest.approx(expected[0])]  # goes on from where it begins anew
+
+
+def test_where_a_position_is_missing_the_last_one_stays_and_it_is_said(
+    tab: Tab, tmp_path: Path
+) -> None:
+    data = BEAD.copy()
+    data["bead.bead.x"][100:150] = np.nan
+    tab.open(write_replay([("gap", data)], tmp_path / "gap.html"))
+    said = [text for text in drawn(tab, 2.5).texts if text.startswith("no position")]
+    assert said == ["no position at this time: gap"]
+    places = tab.run("curvebound.scene.place(curvebound.scene.actors[0], 2.5)")
+    assert places["blank"] is True
+    assert places["values"]["bead x"] == pytest.approx(data["bead.bead.x"][99], abs=1e-6)
+    assert not [text for text in drawn(tab, 1.5).texts if text.startswith("no position")]

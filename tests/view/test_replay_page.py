@@ -202,6 +202,8 @@ def test_an_overlay_shows_what_a_cheap_setting_costs(tab: Tab, pages: dict[str, 
     """Without stabilisation at h = 1/60 the bead leaves the wire within 200 s, for all to see."""
     tab.open(pages["compared"])
     assert tab.run("document.getElementById('legend').textContent") == "projectionnone"
+    heads = "[...document.querySelectorAll('#readouts tr:first-child th')]"
+    assert tab.run(f"{heads}.map((one) => one.textContent)") == ["", "projection", "none"]
     tab.run("curvebound.scene.trail = 0")
     camera = show(tab, float(LONG["time"][11_400]))
     held, left = middle(tab, "actors[0]"), middle(tab, "actors[1]")
@@ -280,12 +282,17 @@ def test_keyboard(tab: Tab, pages: dict[str, Path]) -> None:
     assert tab.run(now) == rest
     tab.key("l")
     assert tab.run("curvebound.player.loop") is False
+    assert tab.run("document.getElementById('loop').getAttribute('aria-pressed')") == "false"
     tab.key("+")
     assert tab.run("curvebound.scene.zoom") == pytest.approx(1.4)
     tab.key("f")
     assert tab.run("curvebound.scene.zoom") == 1
     tab.key(">")
     assert tab.run("curvebound.window[1] - curvebound.window[0]") == pytest.approx(5.0, rel=1e-6)
+    tab.key("a")
+    tab.key("End")
+    tab.key(">")
+    assert tab.run("curvebound.window") == pytest.approx([5.0, 10.0], rel=1e-6)
     tab.key("a")
     tab.key("?")
     assert tab.run("document.getElementById('help').open") is True
