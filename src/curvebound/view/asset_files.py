@@ -18,6 +18,7 @@ _SHARED = (
     "shared.js",
     "bounds.js",
     "saving.js",
+    "decimate.js",
     "plots.js",
     "gestures.js",
     "page.js",

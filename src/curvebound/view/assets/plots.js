@@ -1,55 +1,6 @@
-// Time plots on uPlot, drawn from at most two points a pixel so that length costs nothing.
+// Time plots on uPlot.
 
 const DASHES = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
-
-// Aligned data for uPlot: x, then one array a series. Where a series has more samples than pixels,
-// the least and the greatest of each column of pixels stand for all of them.
-function decimate(series, from, to, columns) {
-  const parts = series.map(({ times }) => {
-    const first = Math.max(indexAt(times, from) - 1, 0);
-    return [first, Math.min(indexAt(times, to) + 2, times.length)];
-  });
-  if (parts.some(([first, end]) => end - first > 2 * columns)) {
-    return minMax(series, parts, from, to, columns);
-  }
-  const tables = series.map(({ times, values }, k) => {
-    const [first, end] = parts[k];
-    return [Array.from(times.subarray(first, end)), blanks(values.subarray(first, end))];
-  });
-  return tables.length === 1 ? tables[0] : uPlot.join(tables, tables.map(() => [2]));
-}
-
-function blanks(values) {
-  return Array.from(values, (value) => (Number.isFinite(value) ? value : null));
-}
-
-function minMax(series, parts, from, to, columns) {
-  const width = (to - from) / columns, xs = new Array(2 * columns);
-  for (let k = 0; k < columns; k++) {
-    xs[2 * k] = from + (k + 0.25) * width;
-    xs[2 * k + 1] = from + (k + 0.75) * width;
-  }
-  return [xs, ...series.map(({ times, values }, at) => {
-    // Undefined is no data here, drawn across; null is a gap.
-    const out = new Array(2 * columns), [first, end] = parts[at];
-    let i = first;
-    for (let k = 0; k < columns; k++) {
-      const stop = from + (k + 1) * width;
-      let low = Infinity, high = -Infinity, lowAt = 0, highAt = 0, gap = false;
-      for (; i < end && (times[i] < stop || k === columns - 1); i++) {
-        const value = values[i];
-        if (!Number.isFinite(value)) { gap = true; continue; }
-        if (value < low) { low = value; lowAt = i; }
-        if (value > high) { high = value; highAt = i; }
-      }
-      if (high >= low) {
-        out[2 * k] = lowAt <= highAt ? low : high;
-        out[2 * k + 1] = lowAt <= highAt ? high : low;
-      } else if (gap) out[2 * k] = out[2 * k + 1] = null;
-    }
-    return out;
-  })];
-}
 
 class TimePlot {
   // spec: a plot of the model; page: {name, colours, range(), seek(t), hover(t), many, hides(actor),
@@ -185,12 +136,14 @@ class TimePlot {
         { ...axis, size: 24, gap: 4, values: (_, t) => t.map((x) => `${tickText(x)} s`), space: 60 },
         { ...axis, size: 66, gap: 4, space: 26, values },
       ],
-      series: [{}, ...this.series.map((one) => ({
-        stroke: one.colour, dash: one.dash, spanGaps: false, show: this.shows(one),
+      series: [{}, ...this.series.map((one) => {
         // Later ones are thinner, so that two on one line both show.
-        width: this.page.many ? Math.max(3 - one.actor, 1.2) : 1.5,
-        points: { show: single, size: 7 },
-      }))],
+        const stroke = { dash: one.dash, width: this.page.many ? Math.max(3 - one.actor, 1.2) : 1.5 };
+        return {
+          ...stroke, stroke: one.colour, spanGaps: false, show: this.shows(one), paths: lineOf(stroke),
+          points: { show: single, size: 7 },
+        };
+      })],
     }, this.data(width), this.box);
     this.playhead = document.createElement("div");
     this.playhead.className = "playhead";
