@@ -2,8 +2,7 @@
 
     parabola.ax = clip(-K (measurement - reference) + waveform, limit)
 
-No mechanical system: outputs are a function of inputs and time, held between samples where a sample
-period is given.
+Outputs are held between samples where a sample period is given.
 """
 
 from __future__ import annotations
@@ -12,6 +11,8 @@ import math
 from typing import ClassVar, Final
 
 from curvebound.kernel.law import Law
+
+from .waveform import WHOLE, chirp_cycles, chirp_frequency, wave
 
 __all__ = ["ParabolaDrive", "law"]
 
@@ -24,31 +25,16 @@ X: Final = 1
 Y: Final = 2
 COEFFICIENT: Final = 3
 
-#: A communication point this fraction of a period from a multiple of it is that multiple, and one
-#: this fraction of time itself: masters that add up their steps arrive a little early or late.
+#: A communication point this near to a multiple of the period, relative to it or to time itself, is
+#: that multiple: masters that add up their steps arrive a little early or late.
 PERIOD_SLACK: Final = 1e-6
 TIME_SLACK: Final = 1e-14
 #: as much may be missing from waveform.start_time, relative to it
 START_SLACK: Final = 1e-12
 #: part of a waveform's period that is short enough to hold its value
 FINE: Final = 0.02
-#: 2^53: from here on every float is whole
-WHOLE: Final = 9007199254740992.0
 #: 2^-600: a gain and a measurement with this factor each have a product that fits a float
 SMALL: Final = 2.409919865102884e-181
-
-_OUTPUTS: Final[dict[str, int]] = {
-    "parabola.ax": 0,
-    "parabola.ay": 1,
-    "parabola.coefficient_acceleration": 1,
-}
-
-
-def chirp_cycles(elapsed: float, frequency: float, end_frequency: float, duration: float) -> float:
-    """Cycles of a chirp: linear in frequency over `duration` (s), from then on at the end's."""
-    if elapsed < duration:
-        return elapsed * (frequency + 0.5 * (end_frequency - frequency) * (elapsed / duration))
-    return 0.5 * (frequency + end_frequency) * duration + end_frequency * (elapsed - duration)
 
 
 class ParabolaDrive(Law):
@@ -88,8 +74,13 @@ class ParabolaDrive(Law):
         "parabola.x",
         "parabola.vx",
     )
-    OUTPUTS: ClassVar[dict[str, int]] = _OUTPUTS
+    OUTPUTS: ClassVar[dict[str, int]] = {
+        "parabola.ax": 0,
+        "parabola.ay": 1,
+        "parabola.coefficient_acceleration": 1,
+    }
     FEEDTHROUGH: ClassVar[tuple[int, ...]] = (0,)
+    HAS_CHANGES: ClassVar[bool] = True
 
     def __init__(self) -> None:
         # gains, m/s2 per unit of the measurement
@@ -183,13 +174,10 @@ class ParabolaDrive(Law):
             elapsed = 0.0
         if kind == STEP:
             return self.amplitude
-        if kind == SINE:
-            cycles = self.frequency * elapsed
-        else:
+        cycles = self.frequency * elapsed
+        if kind == CHIRP:
             cycles = chirp_cycles(elapsed, self.frequency, self.end_frequency, self.duration)
-        # whole cycles off first: the sine then sees a small argument
-        cycles = math.fmod(cycles, 1.0) if math.fabs(cycles) < WHOLE else 0.0
-        return self.amplitude * math.sin(6.283185307179586 * cycles + self.phase)
+        return self.amplitude * wave(cycles, self.phase)
 
     def feedback(self, scale: float) -> float:
         """-K (measurement - reference), gains and measurements multiplied by `scale` each."""
@@ -290,13 +278,16 @@ class ParabolaDrive(Law):
             return 0.0
         if self.kind == SINE:
             return self.frequency
-        part = min(1.0, (time - self.start_time) / self.duration)
-        return self.frequency + part * (self.end_frequency - self.frequency)
+        elapsed = time - self.start_time
+        return chirp_frequency(elapsed, self.frequency, self.end_frequency, self.duration)
 
     def acts(self) -> bool:
         """Whether any output can vary."""
-        gains = (self.k_u, self.k_u_rate, self.k_angle, self.k_rate, self.k_x, self.k_vx)
-        return self.kind != NO_WAVEFORM or any(k != 0.0 for k in gains)
+        return self.kind != NO_WAVEFORM or any(k != 0.0 for k in self.gains())
+
+    def gains(self) -> list[float]:
+        """K, in the order of INPUTS."""
+        return [self.k_u, self.k_u_rate, self.k_angle, self.k_rate, self.k_x, self.k_vx]
 
     # -- rollback and saved state ----------------------------------------------------------------
     def get_state(self) -> list[float]:
@@ -344,6 +335,15 @@ class ParabolaDrive(Law):
             values[first + 2] = self.coefficient
         else:
             values[first + 1], values[first + 2] = self.prescribed(sample)
+
+    def output_changes(self, seeds: list[float]) -> list[float]:
+        sample = self.sample_time()
+        if sample != sample or math.fabs(self.controlled(sample)) >= self.limit:
+            return [0.0, 0.0, 0.0]
+        changes = [0.0, 0.0, 0.0]
+        for k, seed in zip(self.gains(), seeds, strict=True):
+            changes[0] -= k * seed
+        return changes
 
 
 def law() -> ParabolaDrive:

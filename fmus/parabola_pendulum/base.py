@@ -225,10 +225,6 @@ class ParabolaBase(FramedModel):
         """Normal force, tension, force on the parabola (x, y), all N, of the present state."""
         raise NotImplementedError
 
-    def acceleration_error(self) -> float:
-        """Relative difference between linear and nonlinear accelerations of the present state."""
-        raise NotImplementedError
-
     def observe(self, group: int, values: list[float], first: int) -> None:
         if group == 0:
             self.write_places(values, first)

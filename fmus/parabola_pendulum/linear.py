@@ -225,17 +225,11 @@ class ParabolaLinear(ParabolaNonlinear):
         tension = m2 * (y * c - x * s + whirl) + (self.f2x * s - self.f2y * c)
         return normal, tension, -rx, -ry
 
-    def acceleration_error(self) -> float:
+    def compare(self) -> None:
         u, th, du, dth = self.q0, self.q1, self.v0, self.v1
-        r = self.r
         self.acceleration(0.0, u, th, du, dth)
-        l0 = self.a0
-        l1 = self.a1
+        self.linear0 = self.a0
+        self.linear1 = self.r * self.a1
         super().acceleration(0.0, u, th, du, dth)
-        n0 = self.a0
-        n1 = self.a1
-        # the larger of the two as the measure: finite wherever one of them is not at rest
-        size = max(math.hypot(l0, r * l1), math.hypot(n0, r * n1))
-        if size == 0.0:
-            return 0.0
-        return math.hypot(l0 - n0, r * (l1 - n1)) / size
+        self.full0 = self.a0
+        self.full1 = self.r * self.a1

@@ -260,6 +260,3 @@ class ParabolaNonlinear(ParabolaBase):
         # friction is along the parabola: what is across is the normal force
         q = 2.0 * self.a * self.q0
         return (ry - q * rx) / math.sqrt(1.0 + q * q), tension, -rx, -ry
-
-    def acceleration_error(self) -> float:
-        return 0.0

@@ -21,13 +21,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from .checking.changes import wrong_changes
+from .checking.points import anywhere, models, numbers_of
 from .cosim import Scene
 from .cosim.fmu import Value, read_fmu
 from .cosim.instance import Instance, Library, Log
 from .fmi.build import build
 from .fmi.cached import cached_fmu
 from .fmi.compile import why_not
-from .fmi.declaration import CHOICE, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu
+from .fmi.declaration import INPUT, OUTPUT, PARAMETER, Fmu
 from .fmi.folder import Folder
 from .mechanics.numeric import extended
 from .study.settings import STEP_ORDERS
@@ -36,6 +38,7 @@ from .study.stability.sample_report import passes
 
 __all__ = [
     "CHECKS",
+    "changes_follow_outputs",
     "is_a_valid_fmu",
     "is_right_at_random_points",
     "keeps_the_balance_of_energy",
@@ -74,19 +77,14 @@ def kernel_follows_mechanics(folder: Path | str) -> None:
         return
     derived, fmu = system.derived(), system.fmu()
     rng = random.Random(1)
-    for label, choices in _models(fmu):
-        numbers = {
-            v.name: int(v.start) for v in fmu.variables if v.kind in (CHOICE, COUNT_PARAMETER)
-        }
-        for v in fmu.variables:
-            if v.type is not None and v.name in choices:
-                numbers[v.name] = v.type.number(str(choices[v.name]))
+    for label, choices in models(fmu):
+        numbers = numbers_of(fmu, choices)
         if derived.has_constraint and numbers["model.formulation"] == 1:
             continue  # its state is Cartesian
         linear = derived.has_linear and numbers.get("model.fidelity") == 1
         accelerations = derived.function("linear_accelerations" if linear else "accelerations")
         for _ in range(_STATES):
-            values = _anywhere(fmu, rng)
+            values = anywhere(fmu, rng)
             model = system.module("kernel").model(numbers)
             model.start(values, numbers)
             model.set_inputs([values[name] for name in model.INPUTS], 0)
@@ -102,13 +100,22 @@ def kernel_follows_mechanics(folder: Path | str) -> None:
                 )
 
 
+def changes_follow_outputs(folder: Path | str) -> None:
+    """What fmi2GetDirectionalDerivative gives are the slopes of the outputs over the inputs."""
+    fmu = _of(folder).fmu()
+    rng = random.Random(1)
+    for label, choices in models(fmu):
+        wrong = wrong_changes(fmu, numbers_of(fmu, choices), rng, _STATES)
+        assert not wrong, f"{label}{wrong}"
+
+
 def keeps_the_balance_of_energy(folder: Path | str) -> None:
     """energy.residual stays at rounding while the system is driven and damped."""
     fmu = _of(folder).fmu()
     names = {v.name for v in fmu.variables}
     if "energy.residual" not in names:
         return
-    for label, choices in _models(fmu):
+    for label, choices in models(fmu):
         start = {**_damped(fmu), **choices, "solver.method": "adaptive", "solver.tolerance": 1e-10}
         got = _run(folder, start, driven=True)
         moved = got["energy.kinetic"].max() + np.ptp(got["energy.potential"])
@@ -125,7 +132,7 @@ def methods_have_their_orders(folder: Path | str) -> None:
     states = _states(fmu)
     if "solver.method" not in {v.name for v in fmu.variables}:
         return
-    for label, choices in _models(fmu):
+    for label, choices in models(fmu):
         start = {**_damped(fmu), **choices}
         precise = {**start, "solver.method": "adaptive", "solver.tolerance": 1e-13}
         exact = _final(folder, precise, states)
@@ -155,7 +162,7 @@ def saves_its_whole_state(folder: Path | str) -> None:
     library = Library(described)
     outputs = [v.name for v in fmu.ordered() if v.kind == OUTPUT]
     methods = ["adaptive", *STEP_ORDERS] if "solver.method" in described.variables else [""]
-    for label, choices in _models(fmu):
+    for label, choices in models(fmu):
         for method in methods:
             instance = Instance("system", library, Log())
             start = {**_damped(fmu), **choices, **({"solver.method": method} if method else {})}
@@ -199,7 +206,7 @@ def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
         return
     fmu = _of(folder).fmu()
     plant = "solver.method" in {v.name for v in fmu.variables}
-    for label, choices in _models(fmu):
+    for label, choices in models(fmu):
         for method in ["adaptive", *STEP_ORDERS] if plant else [""]:
             start = {**_damped(fmu), **choices, **({"solver.method": method} if method else {})}
             one = _run(folder, start, driven=True, stop=0.3)
@@ -212,6 +219,7 @@ def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
 CHECKS: tuple[Callable[[Path | str], None], ...] = (
     is_a_valid_fmu,
     kernel_follows_mechanics,
+    changes_follow_outputs,
     keeps_the_balance_of_energy,
     methods_have_their_orders,
     saves_its_whole_state,
@@ -233,29 +241,6 @@ def _interpreted(folder: Folder) -> Path:
 
 
 _kept: list[tempfile.TemporaryDirectory[str]] = []
-
-
-def _models(fmu: Fmu) -> Iterable[tuple[str, dict[str, Value]]]:
-    """The models that the choices offer: (words for messages, choices), one choice at a time."""
-    yield "", {}
-    for variable in fmu.variables:
-        if variable.kind == CHOICE and variable.type and variable.name.startswith("model."):
-            for number, (item, _) in enumerate(variable.type.items, 1):
-                if number != variable.start:
-                    yield f"{variable.name} = {item}: ", {variable.name: item}
-
-
-def _anywhere(fmu: Fmu, rng: random.Random) -> dict[str, float]:
-    """Parameters and inputs at random: sizes about their start values, states in all directions."""
-    values = {}
-    for v in fmu.variables:
-        if v.kind == INPUT or (v.kind == PARAMETER and v.unit in ("rad", "m/s", "rad/s")):
-            values[v.name] = rng.uniform(-3.0, 3.0)
-        elif v.kind == PARAMETER and v.start == 0.0:
-            values[v.name] = abs(rng.gauss(0.0, 1.0))
-        elif v.kind == PARAMETER:
-            values[v.name] = v.start * math.exp(rng.gauss(0.0, 1.0))
-    return values
 
 
 def _states(fmu: Fmu) -> list[str]:

@@ -131,7 +131,7 @@ def test_capabilities(roots, name: str) -> None:
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "false",
+        "providesDirectionalDerivative": "true",
     }
 
 

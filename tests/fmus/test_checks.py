@@ -17,6 +17,11 @@ FAULTS: dict[Callable[[Path], None], tuple[str, str, str]] = {
         "a0 -= 1.0001 * k * v0",
         "the acceleration of bead.angle is",
     ),
+    checks.changes_follow_outputs: (
+        "normal = self.ex * math.sin(self.q0)",
+        "normal = self.ex * self.ex * math.sin(self.q0)",
+        "wire.fx changes by",
+    ),
     checks.keeps_the_balance_of_energy: (
         "along = r * a0",
         "along = 1.0001 * r * a0",

@@ -18,6 +18,7 @@
  *   clock                  CPU seconds of this process
  *   status I               the inquiries about the last step
  *   derivatives I IN OUT   the three functions about derivatives, of an input and an output
+ *   change I OUT IN SEED ...           the directional derivative of an output
  *   misuse I               calls with NULL arguments
  *   strange F              calls with NULL, made-up and freed components
  *   churn F COUNT GUID URI                      memory growth in bytes per instantiate and free
@@ -394,6 +395,18 @@ static void command(char **word, int n)
         TELL(f->GetRealOutputDerivatives(i, &out, 1, &order, &value));
         TELL(f->GetDirectionalDerivative(i, &out, 1, &in, 1, &value, &value));
         say("\n");
+        return;
+    } else if (strcmp(word[0], "change") == 0 && n > 4) {
+        fmi2ValueReference out = (fmi2ValueReference)NUMBER(2), in[WORDS];
+        double seed[WORDS], value = 0;
+        size_t count = 0;
+        for (int k = 3; k + 1 < n; k += 2, count++) {
+            in[count] = (fmi2ValueReference)NUMBER(k);
+            seed[count] = NUMBER(k + 1);
+        }
+        say("=");
+        TELL(f->GetDirectionalDerivative(i, &out, 1, in, count, seed, &value));
+        say(" %.17g\n", value);
         return;
     } else if (IS("misuse", 2)) {
         misuse(f, i);

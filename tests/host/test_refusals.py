@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import urllib.parse
 
 import pytest
@@ -126,16 +127,41 @@ def test_strange_components(host, bead, pendulum):
 def test_derivatives_of_the_plants(host, bead):
     commands = [f"derivatives 0 {bead.vr['wire.ax']} {bead.vr['bead.x']}", "step 0 0 0.1"]
     result = host([*started(bead), *commands])
-    assert result.answers[5:] == [["OK", "OK", "Error"], ["OK"]]
+    assert result.answers[5:] == [["OK"] * 3, ["OK"]]
 
 
 def test_derivatives_that_are_not_offered(host, fmus):
     drive = fmus["ParabolaDrive"]
-    result = host([*started(drive), "derivatives 0 12 20", "step 0 0 0.1"])
-    assert result.answers[5:] == [["Error"] * 3, ["OK"]]
+    known, unknown = drive.vr["slider.u"], drive.vr["parabola.ax"]
+    result = host([*started(drive), f"derivatives 0 {known} {unknown}", "step 0 0 0.1"])
+    assert result.answers[5:] == [["Error", "Error", "OK"], ["OK"]]
     texts = [text for *_, text in result.logs[5]]
-    for text, name in zip(texts, ("SetRealInput", "GetRealOutput", "GetDirectional"), strict=True):
+    for text, name in zip(texts, ("SetRealInput", "GetRealOutput"), strict=True):
         assert name in text
+
+
+def test_directional_derivatives(host, bead):
+    vr = bead.vr
+    force, ax, ay = vr["constraint.force"], vr["wire.ax"], vr["wire.ay"]
+    commands = [
+        *bead.start(logging=1),
+        f"set 0 {vr['bead.angle_start']} 0.3",
+        "setup 0 - 0 -",
+        f"change 0 {force} {ay} 1",
+        "enter 0",
+        f"change 0 {force} {ay} 2 {ax} 1",
+        "exit 0",
+        f"change 0 {force} {ax} 1",
+        f"change 0 {ax} {ay} 1",
+        f"change 0 {force} {vr['bead.x']} 1",
+        "step 0 0 0.1",
+    ]
+    result = host(commands)
+    assert [a[0] for a in result.answers[4:]] == ["Error", *["OK"] * 4, *["Error"] * 2, "OK"]
+    assert float(result.answers[6][1]) == pytest.approx(math.sin(0.3) - 2.0 * math.cos(0.3))
+    assert float(result.answers[8][1]) == pytest.approx(math.sin(0.3))
+    assert "wire.ax is no output" in result.logs[9][0][3]
+    assert "bead.x is no input" in result.logs[10][0][3]
 
 
 # -- instantiation

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
+from sympy import Matrix, cos, sin
 
 from curvebound.fmi.folder import find
-from curvebound.mechanics.derive import derive
+from curvebound.kernel.directional import output_changes
+from curvebound.mechanics import Mechanics, angle, input_, mass
+from curvebound.mechanics.derive import derive, derive_text
 from curvebound.study.stability.ranges import draw
 
 FMUS = Path(__file__).parents[2] / "fmus"
@@ -104,6 +108,51 @@ def test_outputs(name: str) -> None:
             if output.startswith("energy."):
                 size = max(abs(found[0]["energy.kinetic"]), hand.potential_size, size)
             assert abs(found[1][output] - y) <= 1e-9 * size, (output, found[1][output], y)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_changes_of_outputs_with_inputs(name: str) -> None:
+    rng = random.Random(3)
+    for hand, mine, _ in pairs(name, 1000):
+        seeds = {n: rng.uniform(-1.0, 1.0) for n in hand.INPUTS}
+        found = []
+        for model in (hand, mine):
+            before = model.get_state()
+            changes = output_changes(model, [seeds[n] for n in model.INPUTS])
+            assert model.get_state() == before
+            found.append(dict(zip(model.OUTPUTS, changes, strict=True)))
+        size = max(abs(x) for x in found[0].values())
+        for output, y in found[0].items():
+            # the error's is the difference of larger numbers
+            near = 1e-6 if output == "model.acceleration_error" else 1e-9
+            assert abs(found[1][output] - y) <= near * size, (output, found[1][output], y)
+
+
+def test_outputs_that_are_not_affine_have_no_directional_derivative() -> None:
+    phi, torque = angle("bead.angle"), input_("bead.torque")
+    bead = mass("bead", sin(phi), -cos(phi))
+    pull = Matrix([sin(phi), -cos(phi)]).dot(bead.reaction)
+
+    def made(**stated: Any) -> Any:
+        return Mechanics(coordinates=[phi], masses=[bead], **stated)
+
+    assert made(couples={phi: torque * cos(phi)}, observed={"pull": torque + 2 * pull}).is_affine
+    for stated in (
+        made(couples={phi: torque**2}),
+        made(observed={"pull": abs(pull)}),
+        made(observed={"pull": torque * pull}),
+    ):
+        assert not stated.is_affine
+    text = """
+from sympy import cos, sin
+from curvebound.mechanics import Mechanics, angle, input_, mass
+phi = angle("bead.angle")
+bead = mass("bead", sin(phi), -cos(phi))
+MECHANICS = Mechanics([phi], [bead], couples={phi: input_("bead.torque") ** 2})
+"""
+    assert "    AFFINE: ClassVar[bool] = False\n" in derive_text(text, "bead", "here").kernel
+    affine = derive_text(text.replace(" ** 2", ""), "bead", "here")
+    assert "AFFINE" not in affine.kernel
 
 
 def test_linear_system_and_power_form() -> None:

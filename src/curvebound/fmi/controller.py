@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..kernel.law import Law
+from .derivatives import DerivativeEngine
 from .engine import Engine, System
 from .table import WARNING, Table
 
 __all__ = ["Controller", "ControllerEngine"]
 
 
-class ControllerEngine(Engine):
+class ControllerEngine(DerivativeEngine):
     """A control law."""
 
     def __init__(self, table: Table, guid: str, factory: Callable[[], Law]) -> None:
@@ -39,6 +40,12 @@ class ControllerEngine(Engine):
 
     def observe(self, group: int) -> None:
         self.law.observe(group, self.reals, self.table.first_output)
+
+    def has_changes(self) -> bool:
+        return self.law.HAS_CHANGES
+
+    def output_changes(self, seeds: list[float]) -> list[float]:
+        return self.law.output_changes(seeds)
 
     def advance(self, duration: float) -> str:
         self.law.keep()

@@ -74,8 +74,11 @@ def describe(fmu: Fmu, guid: str, engine: Engine, *, derivatives: bool) -> Eleme
         },
     )
     capabilities = dict(_CAPABILITIES)
+    dependencies = engine.dependencies()
     if derivatives and engine.INTERPOLATES:
         capabilities |= {"canInterpolateInputs": "true", "maxOutputDerivativeOrder": "1"}
+    if derivatives and engine.has_changes():
+        capabilities["providesDirectionalDerivative"] = "true"
     SubElement(root, "CoSimulation", {"modelIdentifier": fmu.name, **capabilities})
     described = fmu.described()
     variables = [variable for _, variable in described]
@@ -96,7 +99,7 @@ def describe(fmu: Fmu, guid: str, engine: Engine, *, derivatives: bool) -> Eleme
     element = SubElement(root, "ModelVariables")
     for vr, variable in described:
         element.append(_scalar_variable(vr, variable))
-    _structure(root, described, engine)
+    _structure(root, described, dependencies)
     return root
 
 
@@ -166,12 +169,13 @@ def _scalar_variable(vr: int, variable: Variable) -> Element:
     return element
 
 
-def _structure(root: Element, described: list[tuple[int, Variable]], engine: Engine) -> None:
+def _structure(
+    root: Element, described: list[tuple[int, Variable]], dependencies: list[list[int]]
+) -> None:
     """Outputs, with the inputs on which they depend in the same instant; initial unknowns."""
     structure = SubElement(root, "ModelStructure")
     outputs = SubElement(structure, "Outputs")
     unknowns = SubElement(structure, "InitialUnknowns")
-    dependencies = engine.dependencies()
     index = {vr: number for number, (vr, _) in enumerate(described, start=1)}
     for vr, variable in described:
         if _CAUSALITY[variable.kind] != "output":

@@ -80,6 +80,8 @@ def _page(fmu: Fmu, told: str, result: ReferenceResult | None) -> str:
 <code>canInterpolateInputs</code> is true.</p>
 {_variables(fmu, (INPUT,))}
 <h2>Outputs</h2>
+<p>Where <code>providesDirectionalDerivative</code> is true, fmi2GetDirectionalDerivative tells how
+they change with the inputs of the same instant.</p>
 {_variables(fmu, (OUTPUT, COUNT))}
 {reference}
 </main>"""

@@ -140,8 +140,8 @@ class Engine:
     def look(self, at_end: bool) -> None:
         """Warn of what the live error measures say, where a look is due or the run ends."""
 
-    def output_rates(self) -> list[float]:
-        """Time derivatives of all outputs, in their order; infinite where there is none."""
+    def has_changes(self) -> bool:
+        """Whether there is an output_changes(); of a started system."""
         raise NotImplementedError
 
     def count_of(self, vr: int) -> int:
@@ -419,33 +419,6 @@ class Engine:
             "use the value references of modelDescription.xml"
         )
 
-    def set_real_input_derivatives(
-        self, vrs: list[int], orders: list[int], values: list[float]
-    ) -> None:
-        """Make inputs linear in time over the next step, and over that step alone.
-
-        Allowed at any time before it; their values are those at its start.
-        """
-        table = self.table
-        for i in range(len(vrs)):
-            vr: int = vrs[i]
-            order: int = orders[i]
-            if vr < 0 or vr >= table.size or not table.is_real(vr):
-                self.unknown(vr, "Real")
-            elif table.kinds[vr] != INPUT:
-                self.fail(
-                    f"{table.names[vr]} is no input: fmi2SetRealInputDerivatives sets derivatives "
-                    "of inputs alone"
-                )
-            elif order != 1:
-                self.fail(
-                    f"order = {order} of the derivative of {table.names[vr]} cannot be used: "
-                    "inputs are linear in time at most, give the derivative of order 1"
-                )
-            else:
-                self.slopes[vr - table.first_input] = values[i]
-                self.sloped = True
-
     def bad_slope(self, step_size: float) -> str:
         """The message for a slope that cannot be used over a step of `step_size` s, or ''."""
         first = self.table.first_input
@@ -468,42 +441,6 @@ class Engine:
         self.sloped = False
         for i in range(len(slopes)):
             self.reals[first + i] += slopes[i] * step_size
-
-    def get_real_output_derivatives(self, vrs: list[int], orders: list[int]) -> list[float]:
-        """Time derivatives of outputs at the present time; 0 with a message where there is none."""
-        table = self.table
-        values: list[float] = []
-        rates: list[float] = []
-        for i in range(len(vrs)):
-            vr: int = vrs[i]
-            order: int = orders[i]
-            value = 0.0
-            if vr < 0 or vr >= table.size or not table.is_real(vr):
-                self.unknown(vr, "Real")
-            elif table.kinds[vr] != OUTPUT:
-                self.fail(
-                    f"{table.names[vr]} has no derivative: fmi2GetRealOutputDerivatives gives "
-                    "those of outputs that are no counts"
-                )
-            elif order != 1:
-                self.fail(
-                    f"order = {order} of the derivative of {table.names[vr]} is not known: ask "
-                    "for order 1"
-                )
-            elif table.rates[vr] >= 0:
-                value = self.get_real([table.rates[vr]])[0]
-            else:
-                if len(rates) == 0:
-                    rates = self.output_rates()
-                value = rates[vr - table.first_output]
-                if not -OVERFLOW <= value <= OVERFLOW:
-                    value = 0.0
-                    self.fail(
-                        f"the derivative of {table.names[vr]} does not fit a floating-point number "
-                        f"at time {self.time!r} s: rescale the parameters"
-                    )
-            values.append(value)
-        return values
 
     def ready(self) -> bool:
         """Bring the system up to date with parameters and inputs; whether that is possible."""

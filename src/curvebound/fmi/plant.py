@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Final
 
 from ..kernel.base import MOST_INPUTS, Model
+from ..kernel.directional import output_changes
 from ..kernel.method import (
     DONE,
     NOT_CONVERGED,
@@ -18,8 +19,10 @@ from ..kernel.method import (
 from ..kernel.methods import METHODS, create
 from ..kernel.ramp import Ramp
 from ..kernel.rates import output_rates
+from .cutting import substeps
+from .derivatives import DerivativeEngine
 from .engine import Engine, System
-from .table import EPSILON, LARGEST, WARNING, Table
+from .table import LARGEST, WARNING, Table
 from .watch import ENERGY_FRACTION, MAGNIFIED
 
 __all__ = ["Plant", "PlantEngine"]
@@ -32,22 +35,7 @@ _EXACT: Final = METHODS.index("exact") + 1
 _UNKNOWN_GROWTH: Final = 3.0
 
 
-def substeps(duration: float, step: float, time: float) -> float:
-    """Fewest internal steps not larger than `step` in a communication step of `duration` at `time`.
-
-    The caller's duration is a difference of times and so uncertain by a few ulp of the time; that
-    uncertainty adds no step. Returned as a float because it may exceed every int of interest.
-    """
-    slack = 4.0 * EPSILON * (abs(time) + duration)
-    ratio = (duration - slack) / step
-    if ratio <= 1.0:
-        return 1.0
-    if ratio >= 1e18:
-        return ratio
-    return float(math.ceil(ratio))
-
-
-class PlantEngine(Engine):
+class PlantEngine(DerivativeEngine):
     """A mechanical model with a time-integration method."""
 
     INTERPOLATES = True
@@ -111,6 +99,16 @@ class PlantEngine(Engine):
         except (ZeroDivisionError, OverflowError, ValueError):
             self.model.set_inputs(self.reals, self.table.first_input)
             self.model.undo()
+            return [math.inf] * len(self.model.OUTPUTS)
+
+    def has_changes(self) -> bool:
+        return self.model.AFFINE
+
+    def output_changes(self, seeds: list[float]) -> list[float]:
+        try:
+            return output_changes(self.model, seeds)
+        except (ZeroDivisionError, OverflowError, ValueError):
+            self.take_inputs()
             return [math.inf] * len(self.model.OUTPUTS)
 
     def count_of(self, vr: int) -> int:

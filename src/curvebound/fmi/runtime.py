@@ -33,7 +33,7 @@ _INTERPRETED = (
     "fmi/wrapped.py",
 )
 _OTHERS = ("common", "declaration", "slave", "wrapped")
-_FACES = ("controller", "engine", "plant", "table", "watch")
+_FACES = ("controller", "cutting", "derivatives", "engine", "plant", "table", "watch")
 #: decides, with the sources, what is compiled from them
 _TRANSLATOR = ("c_functions", "extension", "repeated", "rewrite", "translate")
 #: what Python calls of the compiled kernel: class -> attributes and methods, "" -> functions
@@ -48,8 +48,12 @@ VISIBLE = {
     "Engine": (
         *("queue", "do_step", "get_real", "set_real", "get_integer", "set_integer"),
         *("setup_experiment", "enter_initialization", "exit_initialization", "terminate", "reset"),
-        *("get_state", "set_state", "say", "unknown", "dependencies", "INTERPOLATES"),
+        *("get_state", "set_state", "say", "unknown", "dependencies"),
+        *("INTERPOLATES", "has_changes"),
+    ),
+    "DerivativeEngine": (
         *("set_real_input_derivatives", "get_real_output_derivatives"),
+        "get_directional_derivative",
     ),
     "System": ("create",),
 }

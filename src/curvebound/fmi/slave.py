@@ -39,6 +39,7 @@ _ENGINE = {
     "enter_initialization_mode": "enter_initialization",
     "exit_initialization_mode": "exit_initialization",
     "terminate": "terminate",
+    "get_directional_derivative": "get_directional_derivative",
 }
 #: and those of engines whose inputs may have slopes
 _DERIVATIVES = ("set_real_input_derivatives", "get_real_output_derivatives")

@@ -10,6 +10,7 @@ that an internal step allocates nothing. A model of one degree of freedom leaves
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar, Final
 
 __all__ = ["MOST_INPUTS", "Inputs", "Model", "acceleration_of", "jacobian_of"]
@@ -31,6 +32,8 @@ class Model:
     OUTPUTS     names of the Real outputs, mapped to their group: those of a group are computed
                 together, and only when one of them is read
     FEEDTHROUGH the groups whose values depend on the inputs of the same instant
+    AFFINE      whether they, model.acceleration_error apart, and the accelerations are affine in
+                the inputs
     """
 
     PARAMETERS: ClassVar[tuple[str, ...]] = ()
@@ -38,6 +41,7 @@ class Model:
     INPUTS: ClassVar[tuple[str, ...]] = ()
     OUTPUTS: ClassVar[dict[str, int]] = {}
     FEEDTHROUGH: ClassVar[tuple[int, ...]] = ()
+    AFFINE: ClassVar[bool] = True
 
     def __init__(self) -> None:
         self.q0: float = 0.0
@@ -65,6 +69,11 @@ class Model:
         self.a0_v1: float = 0.0
         self.a1_v0: float = 0.0
         self.a1_v1: float = 0.0
+        #: result of compare()
+        self.linear0: float = 0.0
+        self.linear1: float = 0.0
+        self.full0: float = 0.0
+        self.full1: float = 0.0
         #: J, result of balance(): energy less `work`, and the size of its parts
         self.balance_energy: float = 0.0
         self.balance_size: float = 1.0
@@ -193,6 +202,25 @@ class Model:
     def observe(self, group: int, values: list[float], first: int) -> None:
         """Write the outputs of one group to values[first + position in OUTPUTS]."""
         raise NotImplementedError
+
+    def compare(self) -> None:
+        """Set linear0, linear1, full0, full1: the accelerations of the present state.
+
+        By the linear and by the whole equations, both as those of masses (m/s2), in a linear model;
+        in others there is nothing to compare.
+        """
+
+    def acceleration_error(self) -> float:
+        """Relative difference between linear and nonlinear accelerations of the present state."""
+        self.compare()
+        # the larger of the two as the measure: finite wherever one of them is not at rest
+        size = max(
+            math.hypot(self.linear0, self.linear1),
+            math.hypot(self.full0, self.full1),
+        )
+        if size == 0.0:
+            return 0.0
+        return math.hypot(self.linear0 - self.full0, self.linear1 - self.full1) / size
 
 
 def acceleration_of(

@@ -18,6 +18,8 @@ class Law:
     INPUTS: ClassVar[tuple[str, ...]] = ()
     OUTPUTS: ClassVar[dict[str, int]] = {}
     FEEDTHROUGH: ClassVar[tuple[int, ...]] = ()
+    #: whether there is an output_changes()
+    HAS_CHANGES: ClassVar[bool] = False
 
     def start(self, parameters: dict[str, float], choices: dict[str, int], time: float) -> None:
         """Take parameters and choices and start at `time`."""
@@ -44,6 +46,10 @@ class Law:
 
     def observe(self, group: int, values: list[float], first: int) -> None:
         """Write the outputs of one group to values[first + position in OUTPUTS]."""
+        raise NotImplementedError
+
+    def output_changes(self, seeds: list[float]) -> list[float]:
+        """Derivatives of all outputs along `seeds` of the inputs, within the same instant."""
         raise NotImplementedError
 
     def get_state(self) -> list[float]:

@@ -35,7 +35,7 @@ class LinearClass(DerivedClass):
             self._energies(),
             self._unwound(),
             self._forces(),
-            self._error(),
+            self._compare(),
         ]
         head = [
             "class Linear(Derived):",
@@ -182,17 +182,11 @@ class LinearClass(DerivedClass):
         lines += [self._call("self"), "        a0 = self.a0", "        a1 = self.a1"]
         return lines + self.body(pairs, ACCELERATIONS)
 
-    def _error(self) -> list[str]:
+    def _compare(self) -> list[str]:
         weights = [*self.linear.weights, ZERO][:2]
-        lines = ["", "    def acceleration_error(self) -> float:"]
-        lines += [self._call("super()"), "        n0 = self.a0", "        n1 = self.a1"]
-        lines += [self._call("self"), "        a0 = self.a0", "        a1 = self.a1"]
+        lines = ["", "    def compare(self) -> None:"]
         lines += self.body([("w0", weights[0]), ("w1", weights[1])])
-        return [
-            *lines,
-            "        # the larger of the two as the measure: finite wherever one is not at rest",
-            "        size = max(math.hypot(w0 * a0, w1 * a1), math.hypot(w0 * n0, w1 * n1))",
-            "        if size == 0.0:",
-            "            return 0.0",
-            "        return math.hypot(w0 * (a0 - n0), w1 * (a1 - n1)) / size",
-        ]
+        for of, name in (("self", "linear"), ("super()", "full")):
+            lines.append(self._call(of))
+            lines += [f"        self.{name}{i} = w{i} * self.a{i}" for i in (0, 1)]
+        return lines

@@ -93,6 +93,7 @@ class ModelParts(SizeParts):
         lines.append("    }")
         numbers = "".join(f"{g}, " for g in feedthrough).strip()
         lines.append(f"    FEEDTHROUGH: ClassVar[tuple[int, ...]] = ({numbers})")
+        lines += [] if m.is_affine else ["    AFFINE: ClassVar[bool] = False"]
         lines += ["", "    def __init__(self) -> None:", "        super().__init__()"]
         for s in self.fields:
             if s not in self.d.gravity:
@@ -329,10 +330,6 @@ class ModelParts(SizeParts):
             lines += ["", "    def write_forces(self, values: list[float], first: int) -> None:"]
             lines.append(f'        """Write the outputs of group {FORCES}."""')
             lines += self.body([(at[n], e) for n, e in self.observed.items()])
-        if self.m.linear_about is not None:
-            lines += ["", "    def acceleration_error(self) -> float:"]
-            lines.append('        """Relative difference of linear and nonlinear accelerations."""')
-            lines.append("        return 0.0")
         return lines
 
     def _words(self) -> list[str]:

@@ -246,6 +246,17 @@ class Mechanics:
         return sorted(found, key=str)
 
     @property
+    def is_affine(self) -> bool:
+        """Whether forces are affine in inputs, and what is observed in inputs and reactions."""
+        stated = [*self.couples.values(), *self.observed.values()]
+        stated += [e for pair in self.forces.values() for e in pair]
+        for e in map(sympy.sympify, stated):
+            given = [s for s in e.free_symbols if isinstance(s, Input | Reaction)]
+            if any(sympy.expand(e.diff(a, b)) != 0 for a in given for b in given):
+                return False
+        return True
+
+    @property
     def shapes(self) -> list[Shape]:
         """The shapes that positions contain."""
         return [s for s in self._all_symbols if isinstance(s, Shape)]

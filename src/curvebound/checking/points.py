@@ -1,0 +1,44 @@
+"""Models and states at which a system is looked at."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterable, Mapping
+
+from ..cosim.fmu import Value
+from ..fmi.declaration import CHOICE, COUNT_PARAMETER, INPUT, PARAMETER, Fmu
+
+__all__ = ["anywhere", "models", "numbers_of"]
+
+
+def models(fmu: Fmu) -> Iterable[tuple[str, dict[str, Value]]]:
+    """The models that the choices offer: (words for messages, choices), one choice at a time."""
+    yield "", {}
+    for variable in fmu.variables:
+        if variable.kind == CHOICE and variable.type and variable.name.startswith("model."):
+            for number, (item, _) in enumerate(variable.type.items, 1):
+                if number != variable.start:
+                    yield f"{variable.name} = {item}: ", {variable.name: item}
+
+
+def anywhere(fmu: Fmu, rng: random.Random) -> dict[str, float]:
+    """Parameters and inputs at random: sizes about their start values, states in all directions."""
+    values = {}
+    for v in fmu.variables:
+        if v.kind == INPUT or (v.kind == PARAMETER and v.unit in ("rad", "m/s", "rad/s")):
+            values[v.name] = rng.uniform(-3.0, 3.0)
+        elif v.kind == PARAMETER and v.start == 0.0:
+            values[v.name] = abs(rng.gauss(0.0, 1.0))
+        elif v.kind == PARAMETER:
+            values[v.name] = v.start * math.exp(rng.gauss(0.0, 1.0))
+    return values
+
+
+def numbers_of(fmu: Fmu, choices: Mapping[str, Value]) -> dict[str, int]:
+    """Enumerations and Integer parameters by number: `choices` by item name, others as declared."""
+    numbers = {v.name: int(v.start) for v in fmu.variables if v.kind in (CHOICE, COUNT_PARAMETER)}
+    for v in fmu.variables:
+        if v.type is not None and v.name in choices:
+            numbers[v.name] = v.type.number(str(choices[v.name]))
+    return numbers

@@ -1,0 +1,153 @@
+"""What an engine tells of derivatives, and what it takes of them."""
+
+from __future__ import annotations
+
+from .engine import INITIALIZATION, INSTANTIATED, Engine
+from .table import COUNT, INPUT, LARGEST, OUTPUT, OVERFLOW
+
+__all__ = ["DerivativeEngine"]
+
+
+class DerivativeEngine(Engine):
+    """Slopes of inputs, rates of outputs, and changes of outputs with inputs."""
+
+    # -- what subclasses know ----------------------------------------------------------------------
+    def output_rates(self) -> list[float]:
+        """Time derivatives of all outputs, in their order; infinite where there is none."""
+        raise NotImplementedError
+
+    def output_changes(self, seeds: list[float]) -> list[float]:
+        """Derivatives of all outputs along `seeds` of the inputs; infinite where there is none."""
+        raise NotImplementedError
+
+    # -- slopes and rates --------------------------------------------------------------------------
+    def set_real_input_derivatives(
+        self, vrs: list[int], orders: list[int], values: list[float]
+    ) -> None:
+        """Make inputs linear in time over the next step, and over that step alone.
+
+        Allowed at any time before it; their values are those at its start.
+        """
+        table = self.table
+        for i in range(len(vrs)):
+            vr: int = vrs[i]
+            order: int = orders[i]
+            if vr < 0 or vr >= table.size or not table.is_real(vr):
+                self.unknown(vr, "Real")
+            elif table.kinds[vr] != INPUT:
+                self.fail(
+                    f"{table.names[vr]} is no input: fmi2SetRealInputDerivatives sets derivatives "
+                    "of inputs alone"
+                )
+            elif order != 1:
+                self.fail(
+                    f"order = {order} of the derivative of {table.names[vr]} cannot be used: "
+                    "inputs are linear in time at most, give the derivative of order 1"
+                )
+            else:
+                self.slopes[vr - table.first_input] = values[i]
+                self.sloped = True
+
+    def get_real_output_derivatives(self, vrs: list[int], orders: list[int]) -> list[float]:
+        """Time derivatives of outputs at the present time; 0 with a message where there is none."""
+        table = self.table
+        values: list[float] = []
+        rates: list[float] = []
+        for i in range(len(vrs)):
+            vr: int = vrs[i]
+            order: int = orders[i]
+            value = 0.0
+            if vr < 0 or vr >= table.size or not table.is_real(vr):
+                self.unknown(vr, "Real")
+            elif table.kinds[vr] != OUTPUT:
+                self.fail(
+                    f"{table.names[vr]} has no derivative: fmi2GetRealOutputDerivatives gives "
+                    "those of outputs that are no counts"
+                )
+            elif order != 1:
+                self.fail(
+                    f"order = {order} of the derivative of {table.names[vr]} is not known: ask "
+                    "for order 1"
+                )
+            elif table.rates[vr] >= 0:
+                value = self.get_real([table.rates[vr]])[0]
+            else:
+                if len(rates) == 0:
+                    rates = self.output_rates()
+                value = rates[vr - table.first_output]
+                if not -OVERFLOW <= value <= OVERFLOW:
+                    value = 0.0
+                    self.fail(
+                        f"the derivative of {table.names[vr]} does not fit a floating-point number "
+                        f"at time {self.time!r} s: rescale the parameters"
+                    )
+            values.append(value)
+        return values
+
+    # -- directional derivatives -------------------------------------------------------------------
+    def get_directional_derivative(
+        self, unknowns: list[int], knowns: list[int], seed: list[float]
+    ) -> list[float]:
+        """Changes of outputs with inputs of the same instant: J seed; 0 with a message if wrong."""
+        table = self.table
+        nothing = [0.0] * len(unknowns)
+        for vr in unknowns:
+            if not self.is_one_of(vr, OUTPUT, COUNT, "unknown", "output"):
+                return nothing
+        seeds = [0.0] * (table.first_output - table.first_input)
+        for i in range(len(knowns)):
+            vr = knowns[i]
+            if not self.is_one_of(vr, INPUT, INPUT, "known", "input"):
+                return nothing
+            if not abs(seed[i]) <= LARGEST:
+                self.fail(
+                    f"the seed {seed[i]!r} of {table.names[vr]} cannot be used: give a finite "
+                    f"number, at most {LARGEST!r} in size"
+                )
+                return nothing
+            seeds[vr - table.first_input] += seed[i]
+        if not self.has_known_changes():
+            return nothing
+        changes = self.output_changes(seeds)
+        values: list[float] = []
+        for vr in unknowns:
+            value: float = changes[vr - table.first_output] if vr < table.first_count else 0.0
+            if not -OVERFLOW <= value <= OVERFLOW:
+                value = 0.0
+                self.fail(
+                    f"the directional derivative of {table.names[vr]} does not fit a "
+                    f"floating-point number at time {self.time!r} s: rescale the parameters"
+                )
+            values.append(value)
+        return values
+
+    def is_one_of(self, vr: int, first: int, last: int, role: str, what: str) -> bool:
+        """Whether a variable is of the kinds that may be asked for; says if not."""
+        table = self.table
+        if vr < 0 or vr >= table.size or not table.is_real(vr):
+            self.unknown(vr, "Real")
+            return False
+        if first <= table.kinds[vr] <= last:
+            return True
+        return self.fail(
+            f"{table.names[vr]} is no {what} and cannot be the {role} of a directional derivative: "
+            "fmi2GetDirectionalDerivative gives those of outputs by inputs"
+        )
+
+    def has_known_changes(self) -> bool:
+        """Whether the system is there, with its inputs, and knows its changes; says if not."""
+        if self.mode == INSTANTIATED:
+            return self.out_of_order(
+                "fmi2GetDirectionalDerivative", "after fmi2EnterInitializationMode"
+            )
+        message = self.start() if self.mode == INITIALIZATION and self.stale else ""
+        if not message:
+            message = self.bad_value()
+        if message:
+            return self.fail(message)
+        if not self.has_changes():
+            return self.fail(
+                "fmi2GetDirectionalDerivative is not offered by this FMU, as its "
+                "modelDescription.xml says"
+            )
+        return self.ready()
