@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from curvebound.cosim import Scene
 from curvebound.cosim.loops import LoopFailed, LoopSolver
 
 
@@ -69,3 +70,76 @@ def test_loosening_is_advised_where_it_helps():
 def test_a_loop_without_solution_is_told_so():
     with pytest.raises(LoopFailed, match="no values were found that fulfil it"):
         solved(lambda x: x * x + 1.0, [0.0])
+
+
+def ring(**settings):
+    """Two beads, each pushed at once by what the other does to its wire."""
+    scene = Scene("ring", stop_time=0.5, step=0.01, loop_tolerance=1e-10, **settings)
+    scene.add("a", "BeadOnWire", {"bead.angle_start": 0.7, "bead.mass": 2.0})
+    scene.add("b", "BeadOnWire", {"bead.angle_start": -1.1, "model.formulation": "angle"})
+    scene.connect("b.wire.fx", "a.wire.ax", 0.4).connect("b.wire.fy", "a.bead.fy", 2.0)
+    scene.connect("a.constraint.force", "b.bead.fx", 0.3)
+    return scene.record(*(f"{n}.{v}" for n in "ab" for v in ("wire.fx", "wire.fy", "bead.angle")))
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """How each loop was solved: evaluations, and whether by Newton's method."""
+    found = []
+    made = LoopSolver.__call__
+
+    def solve(solver):
+        made(solver)
+        found.append((solver.evaluations, solver._changes is not None))
+
+    monkeypatch.setattr(LoopSolver, "__call__", solve)
+    return found
+
+
+@pytest.mark.parametrize("hold", ["zero", "first"])
+def test_a_ring_of_two_plants_takes_two_evaluations(counted, monkeypatch, hold):
+    scene = ring(hold=hold)
+    found = scene.run()
+    # initialization, its end, and each communication point
+    assert len(counted) == 52
+    assert all(newton and evaluations <= 2 for evaluations, newton in counted)
+    assert max(evaluations for evaluations, _ in counted) == 2
+    monkeypatch.setattr("curvebound.cosim.schedule.changes_of", lambda *_: None)
+    counted.clear()
+    other = scene.run()
+    assert not any(newton for _, newton in counted)
+    assert np.mean([evaluations for evaluations, _ in counted]) > 3.0
+    for name in found.names:
+        assert found[name] == pytest.approx(other[name], rel=1e-8, abs=1e-8)
+
+
+def test_a_loop_with_a_component_without_them_is_solved_as_before(counted, gain_fmu):
+    scene = Scene("mixed", stop_time=0.1, step=0.01, loop_tolerance=1e-10)
+    scene.add("a", "BeadOnWire", {"bead.angle_start": 0.7}).add("b", gain_fmu, {"gain": 0.5})
+    scene.connect("a.wire.fx", "b.u", 1.0).connect("b.y", "a.bead.fx", 1.0).record("a.bead.angle")
+    scene.run()
+    assert counted
+    assert not any(newton for _, newton in counted)
+
+
+def test_newton_follows_what_is_not_affine():
+    """x = cos(1.3 x), and a loop whose slope Newton's method does not get along with."""
+    x = np.array([2.0])
+    slope = [0.0]
+
+    def evaluate():
+        slope[0] = -1.3 * np.sin(1.3 * x[0])
+        x[0] = np.cos(1.3 * x[0])
+
+    def run(calls):
+        for call in calls:
+            call()
+
+    solver = LoopSolver([0], ["a.y"], [1.0], x, [evaluate], run, 1e-12, lambda: np.array([slope]))
+    solver()
+    assert x[0] == pytest.approx(np.cos(1.3 * x[0]), abs=1e-12)
+    assert solver.evaluations <= 8
+    wrong = LoopSolver([0], ["a.y"], [1.0], x, [evaluate], run, 1e-12, lambda: np.array([[3.0]]))
+    x[0] = 2.0
+    wrong()
+    assert x[0] == pytest.approx(np.cos(1.3 * x[0]), abs=1e-11)

@@ -16,7 +16,7 @@ from typing import Any
 from ..errors import CurveboundError, OutsideError, at, reading, said
 from ..fmi.drawing import Drawing, read
 from ..units import BASE_UNITS, number
-from .fmu_check import check_description, check_structure
+from .fmu_check import check_description, check_structure, default_initial
 
 __all__ = [
     "Fmu",
@@ -110,8 +110,8 @@ class Fmu:
     `dependencies` maps each output to the inputs that it depends on directly (an output without
     the attribute depends on all of them, FMI 2.0.3, section 2.2.8); `undeclared` are the outputs
     without it. `initial_dependencies` is the same in initialization mode.
-    takes_slopes, gives_rates: whether inputs may be linear in time over a step (with
-    fmi2SetRealInputDerivatives), and outputs tell their derivatives.
+    takes_slopes, gives_rates, gives_changes: whether inputs may be linear in time over a step
+    (with fmi2SetRealInputDerivatives), and outputs tell their derivatives, in time and by inputs.
     start_time, stop_time, step (s) and tolerance are those of its DefaultExperiment; `drawing` is
     that which an FMU of curvebound carries.
     """
@@ -130,6 +130,7 @@ class Fmu:
     can_vary_step: bool
     takes_slopes: bool
     gives_rates: bool
+    gives_changes: bool
     only_once_per_process: bool
     start_time: float | None
     stop_time: float | None
@@ -279,6 +280,7 @@ def _described(path: Path) -> Fmu:
         can_vary_step=bool(kind.canHandleVariableCommunicationStepSize),
         takes_slopes=bool(kind.canInterpolateInputs),
         gives_rates=int(kind.maxOutputDerivativeOrder or 0) > 0,
+        gives_changes=bool(kind.providesDirectionalDerivative),
         only_once_per_process=bool(kind.canBeInstantiatedOnlyOncePerProcess),
         start_time=_number(experiment and experiment.startTime, "startTime"),
         stop_time=_number(experiment and experiment.stopTime, "stopTime"),
@@ -329,7 +331,7 @@ def _typed(v: Any, units: dict[str, Any]) -> Variable:
     )
     causality = v.causality or "local"
     variability = v.variability or ("continuous" if v.type == "Real" else "discrete")
-    initial = v.initial or _default_initial(causality, variability)
+    initial = v.initial or default_initial(causality, variability)
     return Variable(
         name=v.name,
         reference=int(v.valueReference),
@@ -346,10 +348,3 @@ def _typed(v: Any, units: dict[str, Any]) -> Variable:
         items=items,
         description=v.description or "",
     )
-
-
-def _default_initial(causality: str, variability: str) -> str:
-    """FMI 2.0.3, section 2.2.7, table of the default values of `initial`."""
-    if causality == "parameter" or variability == "constant":
-        return "exact"
-    return "" if causality in ("input", "independent") else "calculated"

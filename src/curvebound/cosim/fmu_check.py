@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-__all__ = ["check_description", "check_structure"]
+__all__ = ["check_description", "check_structure", "default_initial"]
 
 _CAUSALITIES = (
     *("parameter", "calculatedParameter", "input", "output", "local", "independent", None),
@@ -73,3 +73,10 @@ def check_description(md: Any) -> None:
                     f"the {kind} of {variable.name} is {value!r}; FMI knows "
                     + ", ".join(word for word in known if word)
                 )
+
+
+def default_initial(causality: str, variability: str) -> str:
+    """FMI 2.0.3, section 2.2.7, table of the default values of `initial`."""
+    if causality == "parameter" or variability == "constant":
+        return "exact"
+    return "" if causality in ("input", "independent") else "calculated"

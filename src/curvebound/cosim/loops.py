@@ -12,6 +12,7 @@ from .exchange import Call
 __all__ = ["LoopFailed", "LoopSolver"]
 
 _MOST = 100  # iterations
+_NEWTON = 20  # of Newton's method
 _MEMORY = 5  # earlier iterates that the acceleration combines
 _SHIFT = 1e-4  # relative change of an output for differences, large as loops can be noisy
 _SINGULAR = 1e-9  # of a loop without solution: distance of its gain from 1
@@ -30,11 +31,15 @@ class LoopFailed(Exception):
 class LoopSolver:
     """Solves x = g(x) for the outputs x of a loop, g one evaluation of all its components.
 
-    Fixed-point iteration with Anderson's acceleration (D. G. Anderson, J. ACM 12 (1965) 547;
-    Walker and Ni, SIAM J. Numer. Anal. 49 (2011) 1715, problem LS), which for a linear loop of n
-    outputs ends after about n + 1 evaluations whatever its gain. Converged when no output is off by
-    more than `tolerance` times the larger of its size and its scale: what an output still changes,
-    times what the loop makes of it, 1 / (1 - gain).
+    Newton's method where dg/dx is known: two evaluations where g is affine. Otherwise, and where
+    that does not converge, fixed-point iteration with Anderson's acceleration (D. G. Anderson, J.
+    ACM 12 (1965) 547; Walker and Ni, SIAM J. Numer. Anal. 49 (2011) 1715, problem LS), which for a
+    linear loop of n outputs ends after about n + 1 evaluations whatever its gain. Converged when no
+    output is off by more than `tolerance` times the larger of its size and its scale: what an
+    output still changes, times what the loop makes of it, 1 / (1 - gain).
+
+    changes: gives dg/dx at the last evaluation, shape (n, n).
+    evaluations: of the last solution, the first one's check for singularity apart.
     """
 
     def __init__(
@@ -46,6 +51,7 @@ class LoopSolver:
         evaluation: Sequence[Call],
         run: Callable[[Sequence[Call]], None],
         tolerance: float,
+        changes: Callable[[], NDArray[np.float64]] | None = None,
     ) -> None:
         self._places = np.array(places)
         self._names = list(names)
@@ -54,6 +60,8 @@ class LoopSolver:
         self._evaluation = list(evaluation)
         self._run = run
         self._tolerance = tolerance
+        self._changes = changes
+        self.evaluations = 0
         self._amplification = 0.0  # of a residual to an error; 0: not known yet
 
     def begin(self) -> None:
@@ -64,6 +72,35 @@ class LoopSolver:
         x = self._values[self._places]
         if self._amplification == 0.0:
             self._check(x)
+        self.evaluations = 0
+        if self._changes is None or not self._newton(x, self._changes):
+            self._accelerated(x)
+
+    def _newton(self, x: NDArray[np.float64], changes: Callable[[], NDArray[np.float64]]) -> bool:
+        """Solve by Newton's method; False where that does not converge."""
+        unit = np.eye(len(x))
+        residual = self._change(x)
+        for _ in range(_NEWTON):
+            if not np.all(np.isfinite(residual)):
+                return False
+            if not np.any(residual):
+                return True
+            try:
+                inverse = np.linalg.inv(unit - changes())
+            except np.linalg.LinAlgError:
+                return False
+            step = inverse @ residual
+            size = np.maximum(np.abs(x + step), self._scales)
+            if not np.max(np.abs(step) / size) * _SINGULAR < np.max(np.abs(residual) / size):
+                return False
+            x = x + step
+            residual = self._change(x)
+            if np.all(np.abs(inverse @ residual) <= self._tolerance * size):
+                return True
+        return False
+
+    def _accelerated(self, x: NDArray[np.float64]) -> None:
+        """Solve by Anderson's method, or say why that is impossible."""
         differences: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
         before: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         residual = np.full_like(x, np.inf)
@@ -130,19 +167,28 @@ class LoopSolver:
         """
         if not np.all(np.isfinite(x)):
             return None
+        jacobian = self._jacobian(x)
+        if not np.all(np.isfinite(jacobian)):
+            return None
+        gains = np.linalg.eigvals(jacobian)
+        return float(np.min(np.abs(1.0 - gains)) / max(1.0, float(np.max(np.abs(gains)))))
+
+    def _jacobian(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """dg/dx at x."""
+        if self._changes is not None:
+            self._change(x)
+            return self._changes()
         jacobian = np.eye(len(x))
         for j in range(len(x)):
             shift = np.zeros(len(x))
             shift[j] = _SHIFT * max(abs(x[j]), self._scales[j])
             change = self._change(x + shift) - self._change(x - shift)
             jacobian[:, j] += change / (2.0 * shift[j])
-        if not np.all(np.isfinite(jacobian)):
-            return None
-        gains = np.linalg.eigvals(jacobian)
-        return float(np.min(np.abs(1.0 - gains)) / max(1.0, float(np.max(np.abs(gains)))))
+        return jacobian
 
     def _change(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """g(x) - x."""
         self._values[self._places] = x
         self._run(self._evaluation)
+        self.evaluations += 1
         return np.asarray(self._values[self._places] - x)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from .exchange import Call, Exchange
 from .graph import Loop
 from .instance import Instance
+from .loop_changes import changes_of
 from .loops import LoopSolver
 from .signals import value_of
 from .slopes import Slopes
@@ -110,6 +111,7 @@ class Schedule:
             evaluation=evaluation,
             run=self.run,
             tolerance=self.system.scene.loop_tolerance or 1e-9,
+            changes=changes_of(self.system, self.exchange, self.instances, members, self.run),
         )
 
     def initialize(self, time: float) -> None:
