@@ -1,6 +1,7 @@
 """What to draw of the bead on its wire, in the names of the FMU's variables."""
 
-from curvebound.fmi.drawing import ENERGY_PLOTS, Circle, Drawing, Plot, Point, plane
+from curvebound.fmi.drawing import ENERGY_PLOTS, FRAME, Circle, Drawing, Plot, Point, plane
+from curvebound.fmi.sketch import Angle, Length, Sketch
 
 DRAWING = Drawing(
     frame=("wire.x", "wire.y"),
@@ -54,4 +55,12 @@ DRAWING = Drawing(
         "constraint.drift",
         "solver.steps",
     ),
+)
+
+SKETCH = Sketch(
+    symbols={"bead.mass": "m", "wire.radius": "r", "bead.angle": "θ"},
+    masses={"bead": "bead.mass"},
+    lengths=(Length(FRAME, "bead", "wire.radius"),),
+    angles=(Angle(FRAME, "bead", "bead.angle"),),
+    values={"bead.angle": 1.0},
 )

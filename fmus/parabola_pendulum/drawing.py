@@ -1,6 +1,7 @@
 """What to draw of the pendulum on its parabola, in the names of the FMU's variables."""
 
-from curvebound.fmi.drawing import ENERGY_PLOTS, Curve, Drawing, Plot, Point, Rod, plane
+from curvebound.fmi.drawing import ENERGY_PLOTS, FRAME, Curve, Drawing, Plot, Point, Rod, plane
+from curvebound.fmi.sketch import Angle, Length, Sketch
 
 DRAWING = Drawing(
     frame=("parabola.x", "parabola.y"),
@@ -75,4 +76,23 @@ DRAWING = Drawing(
         "model.acceleration_error",
         "solver.steps",
     ),
+)
+
+SKETCH = Sketch(
+    symbols={
+        "slider.mass": "m₁",
+        "pendulum.mass": "m₂",
+        "pendulum.length": "r",
+        "slider.u": "u",
+        "pendulum.angle": "θ",
+        "parabola.coefficient": "a",
+    },
+    masses={"slider": "slider.mass", "bob": "pendulum.mass"},
+    lengths=(
+        Length(FRAME, "slider", "slider.u", horizontal=True),
+        Length("slider", "bob", "pendulum.length"),
+    ),
+    angles=(Angle("slider", "bob", "pendulum.angle"),),
+    curve="y = a x²",
+    values={"slider.u": 0.9, "pendulum.angle": 0.6},
 )

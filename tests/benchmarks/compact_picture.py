@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from curvebound.files import write_whole
-from curvebound.study.figures import COLOURS
+from curvebound.numbers import plain, quantity
+from curvebound.pages import themed
+from curvebound.study.figures import COLOURS, GREY, GRID, INK, PALETTE
 from curvebound.study.stability.maps import Request
 from curvebound.study.stability.stability_map import StabilityMap
 from curvebound.units import labelled
@@ -19,7 +21,6 @@ __all__ = ["write_compact"]
 
 #: of a panel, in pixels; panels in a row
 WIDTH, HEIGHT, LEFT, TOP, GAP, ROW = 250, 130, 52, 30, 34, 2
-_INK, _GREY = "#1b222c", "#5b6675"
 
 
 def write_compact(
@@ -57,15 +58,18 @@ def _picture(found: Sequence[tuple[Named, Sequence[StabilityMap]]]) -> str:
     for i, method in enumerate(methods):
         x = LEFT + 140 * i
         legend.append(
-            f'<path d="M{x} {height - 12}h18" stroke="{COLOURS[method]}"/>'
+            f'<path class="{method}" d="M{x} {height - 12}h18"/>'
             f'<text x="{x + 23}" y="{height - 8}">{method}</text>'
         )
-    return (
+    lines = "".join(f".{method}{{stroke:{COLOURS[method]}}}" for method in methods)
+    return themed(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
         f'font-family="sans-serif" font-size="10" fill="none" stroke-width="1.5" role="img" '
         'aria-label="largest accurate and stable steps over parameters">'
-        f"<style>text{{fill:{_INK};stroke:none}}.u{{stroke-dasharray:4 3}}</style>"
-        f'<rect width="{width}" height="{height}" fill="#fff"/>'
+        f"<style>text{{fill:{INK};stroke:none}}.u{{stroke-dasharray:4 3}}{lines}"
+        f".box{{stroke:{GREY};stroke-width:.7}}.grid{{stroke:{GRID};stroke-width:.5}}"
+        f".paper{{fill:{PALETTE['paper']}}}</style>"
+        f'<rect class="paper" width="{width}" height="{height}"/>'
         f"{''.join(panels)}{''.join(legend)}</svg>\n"
     )
 
@@ -87,31 +91,31 @@ def _panel(request: Named, maps: Sequence[StabilityMap]) -> str:
     name = labelled(request.axis.path.partition(".")[2], request.unit)
     parts = [
         f'<text x="0" y="-6" font-size="11">{name}</text>'
-        f'<rect width="{WIDTH}" height="{HEIGHT}" stroke="{_GREY}" stroke-width=".7"/>'
+        f'<rect class="box" width="{WIDTH}" height="{HEIGHT}"/>'
     ]
     for decade in range(math.ceil(low), math.floor(high) + 1):
         if decade % 2 == 0 or high - low < 4:
             y = up(10.0**decade)
             parts.append(
-                f'<path d="M0 {y:.1f}h{WIDTH}" stroke="#d9dfe7" stroke-width=".5"/>'
-                f'<text x="-4" y="{y + 3:.1f}" text-anchor="end">1e{decade} s</text>'
+                f'<path class="grid" d="M0 {y:.1f}h{WIDTH}"/>'
+                f'<text x="-4" y="{y + 3:.1f}" text-anchor="end">'
+                f"{quantity(10.0**decade, 's')}</text>"
             )
     every = math.ceil(len(columns) / 7)
     middle = next((i for i, c in enumerate(columns) if c.value == 0.0), 0)
     for i, column in enumerate(columns):
         if (i - middle) % every == 0:
-            text = f"{column.value:g}" if abs(column.value) in (0.0, 1.0) else f"{column.value:.0e}"
-            text = text.replace("e-0", "e-").replace("e+0", "e")
+            text = plain(column.value, 1)
             parts.append(
                 f'<text x="{across(i):.1f}" y="{HEIGHT + 12}" text-anchor="middle">{text}</text>'
             )
     for one in shown:
-        for what, style in (("stable", ' class="u"'), ("accurate", "")):
+        for what, style in (("stable", " u"), ("accurate", "")):
             points = " ".join(
                 f"{across(i):.0f},{up(_within(getattr(c, what), c.sizes)):.0f}"
                 for i, c in enumerate(one.columns)
             )
-            parts.append(f'<polyline points="{points}" stroke="{COLOURS[one.method]}"{style}/>')
+            parts.append(f'<polyline class="{one.method}{style}" points="{points}"/>')
     return "".join(parts)
 
 

@@ -83,7 +83,8 @@ def _costs(system: str) -> Callable[[Data], str]:
     """The table of what an error costs each method, in microseconds per simulated second."""
 
     def render(data: Data) -> str:
-        head = "<table><tr><th>method<th>1e-4<th>1e-6<th>1e-8<th>1e-10<th>1e-12</tr>\n"
+        levels = "".join(f'<th class="n">1e-{power}' for power in (4, 6, 8, 10, 12))
+        head = f'<div class="scroll"><table><tr><th>method{levels}</tr>\n'
         rows = [
             f"<tr><td>{method}"
             + "".join(
@@ -94,7 +95,7 @@ def _costs(system: str) -> Callable[[Data], str]:
             for method, costs in data["costs"][system].items()
             if any(x is not None for x in costs)
         ]
-        return f"{head}{''.join(rows)}</table>\n"
+        return f"{head}{''.join(rows)}</table></div>\n"
 
     return render
 

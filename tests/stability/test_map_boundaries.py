@@ -149,6 +149,7 @@ def test_the_documented_picture_is_small_and_whole(tmp_path) -> None:
     root = ElementTree.fromstring(path.read_text())
     assert root.tag.endswith("svg")
     assert path.stat().st_size < 4000
+    assert "var(--ink, " in path.read_text()
     assert "NaN" not in path.read_text()
     assert "inf" not in path.read_text()
 

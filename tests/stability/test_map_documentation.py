@@ -23,6 +23,7 @@ def test_the_documentation_shows_the_maps(fmus: Path, name: str) -> None:
         picture = archive.read("documentation/stability.svg")
     assert len(picture) < LARGEST
     root = ElementTree.fromstring(picture)
+    assert b"prefers-color-scheme:dark" in picture
     words = {element.text for element in root.iter() if element.text}
     for one in catalogue():
         if one.fmu == name:

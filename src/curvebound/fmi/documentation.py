@@ -7,16 +7,16 @@ from importlib.metadata import distribution
 
 from .. import __version__
 from ..cells import defused
+from ..numbers import plain
 from ..pages import Html, report, table
 from ..places import license_text
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
 from .folder import Folder
 from .reference import ReferenceResult, reference_result
+from .reference_plot import reference_plots
+from .sketch import Sketch, sketch_of
 
 __all__ = ["csv_text", "documentation_files"]
-
-#: colours that the colour-blind can tell apart (Okabe and Ito 2008)
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 
 
 def documentation_files(folder: Folder) -> dict[str, bytes]:
@@ -27,7 +27,7 @@ def documentation_files(folder: Folder) -> dict[str, bytes]:
     fmu = folder.fmu()
     result = None if fmu.shown else reference_result(fmu)
     files = {
-        "documentation/index.html": _page(fmu, folder.documentation(), result).encode(),
+        "documentation/index.html": _page(folder, fmu, result).encode(),
         "documentation/licenses/license.txt": _licences().encode(),
     }
     if result is not None:
@@ -61,18 +61,19 @@ def _licences() -> str:
     return "\n".join(parts)
 
 
-def _page(fmu: Fmu, told: str, result: ReferenceResult | None) -> str:
+def _page(folder: Folder, fmu: Fmu, result: ReferenceResult | None) -> str:
     name = escape(fmu.name)
     reference = ""
     if result is not None:
         reference = f"""<h2>Reference result</h2>
 <p>{_experiment(fmu)} The samples are in <a href="reference.csv">reference.csv</a>.</p>
-{_plot(fmu, result)}"""
+{reference_plots(fmu, result)}"""
     body = f"""<header><h1>{name}</h1>
 <p>{escape(fmu.description)}. FMI 2.0 for co-simulation, curvebound {__version__}, MIT licence
 (<a href="licenses/license.txt">text</a>).</p></header>
 <main>
-{told.strip()}
+{_sketch(folder, fmu, result)}
+{folder.documentation().strip()}
 <h2>Parameters</h2>
 {_variables(fmu, (PARAMETER, CHOICE, COUNT_PARAMETER))}
 <h2>Inputs</h2>
@@ -88,8 +89,24 @@ they change with the inputs of the same instant.</p>
     return report(fmu.name, body)
 
 
+def _sketch(folder: Folder, fmu: Fmu, result: ReferenceResult | None) -> str:
+    """The sketch with its symbols explained; nothing where there is no pose to draw."""
+    marks = folder.sketch()
+    if marks is None and result is None:
+        return ""
+    marks = marks or Sketch()
+    start = {name: column[0] for name, column in result.outputs.items()} if result else {}
+    svg = sketch_of(folder.drawing(), marks, start)
+    if not svg:
+        return ""
+    words = ", ".join(
+        f"<i>{escape(symbol)}</i>&nbsp;{escape(name)}" for name, symbol in marks.symbols.items()
+    )
+    return f"<figure>{svg}<figcaption>{words}</figcaption></figure>"
+
+
 def _experiment(fmu: Fmu) -> str:
-    text = f"{fmu.stop_time:g} s in communication steps of {fmu.step_size:g} s"
+    text = f"{plain(fmu.stop_time)} s in communication steps of {plain(fmu.step_size)} s"
     if fmu.reference_inputs:
         given = ", ".join(
             f"{name} = {_signal(value)}" for name, value in fmu.reference_inputs.items()
@@ -106,8 +123,8 @@ def _experiment(fmu: Fmu) -> str:
 def _signal(value: float | str | tuple[float, float]) -> str:
     if isinstance(value, tuple):
         amplitude, frequency = value
-        return f"{amplitude:g} sin(2&pi; {frequency:g} t)"
-    return value if isinstance(value, str) else f"{value:g}"
+        return f"{plain(amplitude)} sin(2&pi; {plain(frequency)} t)"
+    return value if isinstance(value, str) else plain(value)
 
 
 def _variables(fmu: Fmu, kinds: tuple[str, ...]) -> str:
@@ -124,7 +141,7 @@ def _variables(fmu: Fmu, kinds: tuple[str, ...]) -> str:
 def _start(variable: Variable) -> str:
     if variable.type:
         return variable.type.items[int(variable.start) - 1][0]
-    return f"{variable.start:g}"
+    return plain(variable.start, 6)
 
 
 def _meaning(variable: Variable) -> str:
@@ -135,38 +152,3 @@ def _meaning(variable: Variable) -> str:
             for i, (item, text) in enumerate(variable.type.items, 1)
         )
     return meaning + (" (tunable)" if variable.tunable else "")
-
-
-def _plot(fmu: Fmu, result: ReferenceResult) -> str:
-    """The outputs named in the declaration, one panel each, as SVG."""
-    width, height, left, gap = 720, 130, 90, 34
-    panels = []
-    end = result.time[-1]
-    for number, name in enumerate(fmu.plotted):
-        values = result.outputs[name]
-        low, high = min(values), max(values)
-        span = (high - low) or 1.0
-        top = number * (height + gap) + 20
-        points = " ".join(
-            f"{left + (width - left) * t / end:.1f},{top + height * (high - x) / span:.1f}"
-            for t, x in zip(result.time, values, strict=True)
-        )
-        unit = next(v.unit for v in fmu.variables if v.name == name)
-        colour = _COLOURS[number % len(_COLOURS)]
-        panels.append(
-            f'<text x="{left}" y="{top - 6}">{escape(name)} / {escape(unit)}</text>'
-            f'<text x="{left - 8}" y="{top + 10}" text-anchor="end">{high:.3g}</text>'
-            f'<text x="{left - 8}" y="{top + height}" text-anchor="end">{low:.3g}</text>'
-            f'<rect x="{left}" y="{top}" width="{width - left}" height="{height}" fill="none" '
-            f'stroke="#999"/><polyline points="{points}" fill="none" stroke="{colour}" '
-            'stroke-width="1.5"/>'
-        )
-    total = len(fmu.plotted) * (height + gap) + 26
-    axis = (
-        f'<text x="{left}" y="{total - 6}">0</text>'
-        f'<text x="{width}" y="{total - 6}" text-anchor="end">{end:g} s</text>'
-    )
-    return (
-        f'<svg viewBox="0 0 {width + 4} {total}" width="{width}" role="img" font-size="12" '
-        f'font-family="sans-serif" aria-label="reference result">{"".join(panels)}{axis}</svg>'
-    )

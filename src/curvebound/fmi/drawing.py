@@ -26,6 +26,7 @@ __all__ = [
     "Rod",
     "carried",
     "complete",
+    "known",
     "plane",
     "read",
 ]
@@ -182,10 +183,10 @@ def _check(drawing: Drawing) -> None:
     names = {point.name for point in drawing.points}
     for rod in drawing.rods:
         for end in rod:
-            _known(drawing, end, names | {FRAME}, "a point of the drawing")
+            known(drawing, end, names | {FRAME}, "a point of the drawing")
     for held in [line.holds for line in drawing.circles] + [line.holds for line in drawing.curves]:
         if held:
-            _known(drawing, held, names, "a point of the drawing")
+            known(drawing, held, names, "a point of the drawing")
     for curve in drawing.curves:
         if curve.s is None and not curve.holds:
             raise CurveboundError(
@@ -202,12 +203,12 @@ def _check(drawing: Drawing) -> None:
         _formula(drawing, curve.x, ("s",))
         _formula(drawing, curve.y, ("s",))
     for name, ways in drawing.otherwise.items():
-        _known(drawing, name, drawing.units, "a variable")
+        known(drawing, name, drawing.units, "a variable")
         for text in ways:
             _formula(drawing, text, samples=True)
     for plot in drawing.plots:
         for name in plot.names:
-            _known(drawing, name, drawing.units, "a variable")
+            known(drawing, name, drawing.units, "a variable")
         if len({drawing.units[name] for name in plot.names}) > 1:
             raise CurveboundError(
                 f"the drawing of {drawing.name}: the plot {plot.title!r} mixes units; "
@@ -215,21 +216,22 @@ def _check(drawing: Drawing) -> None:
             )
     for name in (*drawing.words, *drawing.readouts):
         if name not in _WORDS:
-            _known(drawing, name, drawing.units, "a variable")
+            known(drawing, name, drawing.units, "a variable")
 
 
 def _formula(
     drawing: Drawing, text: str, extra: tuple[str, ...] = (), *, samples: bool = False
 ) -> None:
     for name in sorted(variables_of(parse(text, samples=samples)) - set(extra)):
-        _known(drawing, name, drawing.units, "a variable")
+        known(drawing, name, drawing.units, "a variable")
 
 
-def _known(drawing: Drawing, name: str, known: Iterable[str], what: str) -> None:
-    if name not in known:
+def known(drawing: Drawing, name: str, among: Iterable[str], what: str) -> None:
+    """Raise CurveboundError unless the drawing's `name` is `among` those; `what` they are."""
+    if name not in among:
         raise CurveboundError(
             f"the drawing of {drawing.name} names {name!r}, which is not {what} of it: "
-            f"use one of {', '.join(sorted(known))}"
+            f"use one of {', '.join(sorted(among))}"
         )
 
 

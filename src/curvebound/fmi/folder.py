@@ -4,7 +4,7 @@ fmu.py               FMU: variables, units, domains, enumerations
 mechanics.py         MECHANICS: the physics, as on a blackboard; a control law has none
 kernel.py            the accelerations by hand, or the law; optional where there are mechanics
 reference.py         what is known of the motion besides, for references; optional
-drawing.py           DRAWING: what to draw; optional
+drawing.py           DRAWING: what to draw, SKETCH: its symbols in the documentation; optional
 documentation.html   what the FMU's page tells, with the pictures *.svg; optional
 icon.png             optional
 """
@@ -26,8 +26,9 @@ from ..mechanics.derive import derive
 from ..mechanics.derived import Derived
 from ..places import fmus_directory
 from .declaration import Fmu
-from .drawing import Drawing, Point, complete
+from .drawing import FRAME, Drawing, Point, complete, known
 from .implied import complete_variables
+from .sketch import Sketch
 
 if TYPE_CHECKING:
     from .engine import System
@@ -163,6 +164,24 @@ class Folder:
                 frame=(f"{frame}.x", f"{frame}.y") if frame else ("0", "0"),
             )
         return complete(drawing, self.declaration())
+
+    def sketch(self) -> Sketch | None:
+        """SKETCH in drawing.py; None without one. CurveboundError where it names what is not."""
+        made: Sketch | None = None
+        if self.has("drawing"):
+            made = getattr(self.module("drawing"), "SKETCH", None)
+        if made is None:
+            return None
+        drawing = self.drawing()
+        points = {FRAME, *(point.name for point in drawing.points)}
+        for name in (*made.masses, *(end for one in made.lengths for end in one[:2])):
+            known(drawing, name, points, "a point of the drawing")
+        for one in made.angles:
+            known(drawing, one.at, points, "a point of the drawing")
+            known(drawing, one.towards, points, "a point of the drawing")
+        for name in sorted(made.variables()):
+            known(drawing, name, drawing.units, "a variable")
+        return made
 
     def documentation(self) -> str:
         """HTML: equations, how to couple it, what accuracy costs."""

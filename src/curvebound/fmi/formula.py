@@ -9,8 +9,9 @@ from __future__ import annotations
 import ast
 import keyword
 import math
+import operator
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..errors import CurveboundError
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Floats", "Tree", "evaluate", "parse", "variables_of"]
+__all__ = ["Floats", "Tree", "evaluate", "parse", "value_of", "variables_of"]
 
 Floats: TypeAlias = "NDArray[np.float64]"
 #: a number, the name of a variable, or [operation, operand, ...]
@@ -56,6 +57,18 @@ _POINTWISE: dict[str, tuple[int, str]] = {
     "log": (1, "log"),
     "atan2": (2, "arctan2"),
     "hypot": (2, "hypot"),
+}
+
+#: the same at one instant, by Python's own functions
+_AT_ONCE: dict[str, Callable[..., float]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "**": operator.pow,
+    "negative": operator.neg,
+    "abs": abs,
+    **{name: getattr(math, name) for name in _POINTWISE if hasattr(math, name)},
 }
 
 #: what needs all samples: operands
@@ -128,3 +141,22 @@ def evaluate(tree: Tree, values: Mapping[str, Floats | float]) -> Any:
         return np.full_like(operands[0], one)
     with np.errstate(all="ignore"):
         return getattr(np, _POINTWISE[tree[0]][1])(*operands)
+
+
+def value_of(tree: Tree, known: Callable[[str], float]) -> float:
+    """A formula's value at one instant, nan where it has none.
+
+    `known` gives the value of a variable. Unlike `evaluate` it needs no numpy.
+    """
+    if isinstance(tree, str):
+        return known(tree)
+    if not isinstance(tree, list):
+        return float(tree)
+    operands = [value_of(part, known) for part in tree[1:]]
+    if tree[0] in _OVER_SAMPLES:
+        return operands[0]
+    try:
+        value = _AT_ONCE[tree[0]](*operands)
+    except (ArithmeticError, ValueError):
+        return math.nan
+    return value if isinstance(value, float) else math.nan

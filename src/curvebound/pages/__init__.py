@@ -10,6 +10,7 @@ import base64
 import hashlib
 import html
 import json
+import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -24,8 +25,10 @@ __all__ = [
     "embedded_json",
     "figure",
     "filled",
+    "palette",
     "report",
     "table",
+    "themed",
     "write_page",
 ]
 
@@ -83,6 +86,34 @@ def report(title: str, body: str, footer: str = "") -> str:
 def common_style() -> str:
     """Colours of both themes, and what all pages share."""
     return (files(__package__) / "common.css").read_text(encoding="utf-8")
+
+
+def palette(*, dark: bool = False) -> dict[str, str]:
+    """The colours of a theme by their names in common.css: ink, paper, result-0 and so on."""
+    block = common_style().split("{", 3)[2 if dark else 1].split("}", 1)[0]
+    return dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6})", block))
+
+
+def themed(svg: str) -> str:
+    """A drawing whose styles follow the theme of its page, or of the system where it stands alone.
+
+    Colours of the light palette in styles become variables of common.css; what else is there stays.
+    """
+    names: dict[str, str] = {}
+    for name, colour in palette().items():
+        names.setdefault(colour, name)
+
+    def variable(found: re.Match[str]) -> str:
+        name = names.get(found[2].lower())
+        return f"{found[1]}var(--{name}, {found[2]})" if name else found[0]
+
+    text = re.sub(r"((?:fill|stroke): ?)(#[0-9a-fA-F]{6})", variable, svg)
+    used = set(re.findall(r"var\(--([\w-]+)", text))
+    values = ";".join(f"--{name}:{c}" for name, c in palette(dark=True).items() if name in used)
+    # in a page it is not the root, and takes the colours from there
+    style = f"<style>@media (prefers-color-scheme:dark){{svg:root{{{values}}}}}</style>"
+    end = text.index(">", text.index("<svg")) + 1
+    return text[:end] + style + text[end:]
 
 
 def filled(template: str, parts: Mapping[str, str]) -> str:

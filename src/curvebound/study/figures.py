@@ -7,18 +7,20 @@ from typing import Any
 
 from ..errors import CurveboundError
 from ..files import write_whole
+from ..pages import palette
 
-__all__ = ["COLOURS", "GREY", "GRID", "INK", "new_figure", "save"]
+__all__ = ["COLOURS", "GREY", "GRID", "INK", "PALETTE", "new_figure", "save"]
 
-INK, GREY, GRID = "#1b222c", "#5b6675", "#d9dfe7"
-#: Okabe and Ito (2008), yellow left out
+#: colours of the pages' light theme, which follow the theme in an SVG
+PALETTE = palette()
+INK, GREY, GRID, PAPER = (PALETTE[name] for name in ("ink", "muted", "line", "paper"))
 COLOURS = {
-    "explicit_euler": "#cc79a7",
-    "semi_implicit_euler": "#e69f00",
-    "rk4": "#0072b2",
-    "adaptive": "#d55e00",
-    "implicit": "#009e73",
-    "exact": "#000000",
+    "explicit_euler": PALETTE["result-3"],
+    "semi_implicit_euler": PALETTE["result-4"],
+    "rk4": PALETTE["result-0"],
+    "adaptive": PALETTE["result-1"],
+    "implicit": PALETTE["result-2"],
+    "exact": PALETTE["result-7"],
 }
 
 
