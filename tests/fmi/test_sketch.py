@@ -75,7 +75,7 @@ def test_a_mistake_is_told_by_its_name(tmp_path: Path, written: str, said: str) 
     drawing = (folder / "drawing.py").read_text(encoding="utf-8").split("\nSKETCH")[0]
     (folder / "drawing.py").write_text(f"{drawing}\nSKETCH = {written}\n", encoding="utf-8")
     with pytest.raises(CurveboundError, match=f"{said}.*use one of"):
-        Folder(folder).sketch()
+        Folder(folder).sketch(Folder(folder).drawing())
 
 
 #: children that an element of MathML has, where their number is fixed

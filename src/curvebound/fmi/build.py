@@ -107,7 +107,8 @@ def build(
     began = time.perf_counter()
     folder = which if isinstance(which, Folder) else find(which)
     name = folder.name
-    drawing = carried(folder.drawing())  # first: it says what is wrong in the folder
+    picture = folder.drawing()  # first: it says what is wrong in the folder
+    drawing = carried(picture)
     stated = folder.statement()
     sources = runtime()
     own = system_sources(folder, sources)
@@ -144,7 +145,7 @@ def build(
     _isolate(files, package)
     files["resources/drawing.json"] = drawing
     files.update({f"resources/{path}": text for path, text in stated.items()})
-    files.update(documentation_files(folder))
+    files.update(documentation_files(folder, picture))
     for place, target in binaries.PLATFORMS.items():
         if place in natives:
             files[f"binaries/{place}/{name}{target.suffix}"] = natives[place].read_bytes()

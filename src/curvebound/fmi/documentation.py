@@ -11,6 +11,7 @@ from ..numbers import plain
 from ..pages import Html, report, table
 from ..places import license_text
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu, Variable
+from .drawing import Drawing
 from .folder import Folder
 from .reference import ReferenceResult, reference_result
 from .reference_plot import reference_plots
@@ -19,15 +20,16 @@ from .sketch import Sketch, sketch_of
 __all__ = ["csv_text", "documentation_files"]
 
 
-def documentation_files(folder: Folder) -> dict[str, bytes]:
+def documentation_files(folder: Folder, drawing: Drawing) -> dict[str, bytes]:
     """The page, the reference result, licences, icon and pictures: path in the FMU -> content.
 
+    drawing: that of the folder, which is sketched.
     Without a reference where not all variables are described: that is of all outputs by themselves.
     """
     fmu = folder.fmu()
     result = None if fmu.shown else reference_result(fmu)
     files = {
-        "documentation/index.html": _page(folder, fmu, result).encode(),
+        "documentation/index.html": _page(folder, fmu, drawing, result).encode(),
         "documentation/licenses/license.txt": _licences().encode(),
     }
     if result is not None:
@@ -61,7 +63,7 @@ def _licences() -> str:
     return "\n".join(parts)
 
 
-def _page(folder: Folder, fmu: Fmu, result: ReferenceResult | None) -> str:
+def _page(folder: Folder, fmu: Fmu, drawing: Drawing, result: ReferenceResult | None) -> str:
     name = escape(fmu.name)
     reference = ""
     if result is not None:
@@ -72,7 +74,7 @@ def _page(folder: Folder, fmu: Fmu, result: ReferenceResult | None) -> str:
 <p>{escape(fmu.description)}. FMI 2.0 for co-simulation, curvebound {__version__}, MIT licence
 (<a href="licenses/license.txt">text</a>).</p></header>
 <main>
-{_sketch(folder, fmu, result)}
+{_sketch(folder, drawing, result)}
 {folder.documentation().strip()}
 <h2>Parameters</h2>
 {_variables(fmu, (PARAMETER, CHOICE, COUNT_PARAMETER))}
@@ -89,14 +91,14 @@ they change with the inputs of the same instant.</p>
     return report(fmu.name, body)
 
 
-def _sketch(folder: Folder, fmu: Fmu, result: ReferenceResult | None) -> str:
+def _sketch(folder: Folder, drawing: Drawing, result: ReferenceResult | None) -> str:
     """The sketch with its symbols explained; nothing where there is no pose to draw."""
-    marks = folder.sketch()
+    marks = folder.sketch(drawing)
     if marks is None and result is None:
         return ""
     marks = marks or Sketch()
     start = {name: column[0] for name, column in result.outputs.items()} if result else {}
-    svg = sketch_of(folder.drawing(), marks, start)
+    svg = sketch_of(drawing, marks, start)
     if not svg:
         return ""
     words = ", ".join(

@@ -165,14 +165,16 @@ class Folder:
             )
         return complete(drawing, self.declaration())
 
-    def sketch(self) -> Sketch | None:
-        """SKETCH in drawing.py; None without one. CurveboundError where it names what is not."""
+    def sketch(self, drawing: Drawing) -> Sketch | None:
+        """SKETCH in drawing.py, None without one; `drawing` is that of the system.
+
+        Raises CurveboundError where it names what the drawing or the FMU lacks.
+        """
         made: Sketch | None = None
         if self.has("drawing"):
             made = getattr(self.module("drawing"), "SKETCH", None)
         if made is None:
             return None
-        drawing = self.drawing()
         points = {FRAME, *(point.name for point in drawing.points)}
         for name in (*made.masses, *(end for one in made.lengths for end in one[:2])):
             known(drawing, name, points, "a point of the drawing")

@@ -105,7 +105,7 @@ class _Pose:
         self.drawing = drawing
         self.marks = marks
         self._start = start
-        self._asked: set[str] = set()
+        self._values = {**drawing.values, **marks.values}
         self.places = {FRAME: (self._value(drawing.frame[0]), self._value(drawing.frame[1]))}
         for one in drawing.points:
             self.places[one.name] = (self._value(one.x), self._value(one.y))
@@ -149,21 +149,15 @@ class _Pose:
 
     def known(self, name: str) -> float:
         """The value of a variable: as marked, as declared, from others, or as at the start."""
-        for given in (self.marks.values, self.drawing.values):
-            if name in given:
-                return given[name]
-        ways = self.drawing.otherwise.get(name, ())
-        if name not in self._asked and self.marks.values:
-            self._asked.add(name)  # a formula may lead back to it
-            for text in ways:
-                value = value_of(parse(text, samples=True), self.known)
-                if math.isfinite(value):
-                    self._asked.discard(name)
-                    return value
-        return self._start.get(name, 0.0)
+        if name not in self._values:
+            self._values[name] = self._start.get(name, 0.0)  # a formula may lead back to it
+            ways = self.drawing.otherwise.get(name, ()) if self.marks.values else ()
+            found = (value_of(parse(text, samples=True), self.known) for text in ways)
+            self._values[name] = next(filter(math.isfinite, found), self._values[name])
+        return self._values[name]
 
-    def _value(self, text: str, s: float = 0.0) -> float:
-        return value_of(parse(text), lambda name: s if name == "s" else self.known(name))
+    def _value(self, text: str) -> float:
+        return value_of(parse(text), self.known)
 
     def _curve(self, curve: Curve) -> list[_Place]:
         if curve.s is None:
@@ -171,8 +165,15 @@ class _Pose:
             low, high = -reach, reach
         else:
             low, high = curve.s
-        along = [low + (high - low) * i / _ALONG for i in range(_ALONG + 1)]
-        return [(self._value(curve.x, s), self._value(curve.y, s)) for s in along]
+        x, y = parse(curve.x), parse(curve.y)
+
+        def at(s: float) -> _Place:
+            def known(name: str) -> float:
+                return s if name == "s" else self.known(name)
+
+            return value_of(x, known), value_of(y, known)
+
+        return [at(low + (high - low) * i / _ALONG) for i in range(_ALONG + 1)]
 
 
 def _points(pose: _Pose, line: list[_Place]) -> str:
