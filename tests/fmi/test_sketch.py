@@ -46,6 +46,14 @@ def test_it_stands_where_the_formulas_say() -> None:
     assert svg == sketch_of(WIRE, MARKS, {})
 
 
+def test_formulas_that_lead_in_a_circle_are_passed_over() -> None:
+    """r from the bead's place, which needs r: the parameter is what counts."""
+    circular = {"r": ("hypot(x, y)", "length"), **WIRE.otherwise}
+    drawing = WIRE._replace(otherwise=circular, values={"length": 2.0, "gravity.y": -9.81})
+    start = {"x": 0.1, "y": 0.1, "gravity.x": 0.0}
+    assert sketch_of(drawing, MARKS, start) == sketch_of(WIRE, MARKS, {})
+
+
 def test_without_marks_it_shows_the_start() -> None:
     svg = sketch_of(WIRE, Sketch(), {"x": 0.0, "y": 2.0})
     wire, bead = shapes(svg, "circle")

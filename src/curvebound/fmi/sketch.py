@@ -122,12 +122,17 @@ class _Pose:
         #: places that the sketch must hold, with the frame; none where there is nothing to draw
         self.outline = [place for place in outline if all(map(math.isfinite, place))]
         if self.outline:
-            self._fit([*self.outline, self.places[FRAME]])
+            self._fit(self.outline, self.places[FRAME])
 
-    def _fit(self, places: list[_Place]) -> None:
+    def _fit(self, places: list[_Place], frame: _Place) -> None:
+        places = [*places, frame]
         left, right = min(x for x, _ in places), max(x for x, _ in places)
         bottom, top = min(y for _, y in places), max(y for _, y in places)
         self.scale = _SPAN / (max(right - left, top - bottom) or 1.0)
+        # the axes stand at the frame, whatever else is there
+        right = max(right, frame[0] + 45.0 / self.scale)
+        top = max(top, frame[1] + 45.0 / self.scale)
+        bottom = min(bottom, frame[1] - 20.0 / self.scale)
         self.width = (right - left) * self.scale + 2.0 * _MARGIN + _LABEL
         self.height = (top - bottom) * self.scale + 2.0 * _MARGIN
         self._left, self._top = left, top
@@ -150,10 +155,11 @@ class _Pose:
     def known(self, name: str) -> float:
         """The value of a variable: as marked, as declared, from others, or as at the start."""
         if name not in self._values:
-            self._values[name] = self._start.get(name, 0.0)  # a formula may lead back to it
+            self._values[name] = math.nan  # for formulas that lead back to it
             ways = self.drawing.otherwise.get(name, ()) if self.marks.values else ()
             found = (value_of(parse(text, samples=True), self.known) for text in ways)
-            self._values[name] = next(filter(math.isfinite, found), self._values[name])
+            start = self._start.get(name, 0.0)
+            self._values[name] = next(filter(math.isfinite, found), start)
         return self._values[name]
 
     def _value(self, text: str) -> float:
