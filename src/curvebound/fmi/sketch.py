@@ -106,6 +106,7 @@ class _Pose:
         self.marks = marks
         self._start = start
         self._values = {**drawing.values, **marks.values}
+        self._asked = 0  # variables that wait for others
         self.places = {FRAME: (self._value(drawing.frame[0]), self._value(drawing.frame[1]))}
         for one in drawing.points:
             self.places[one.name] = (self._value(one.x), self._value(one.y))
@@ -154,13 +155,20 @@ class _Pose:
 
     def known(self, name: str) -> float:
         """The value of a variable: as marked, as declared, from others, or as at the start."""
-        if name not in self._values:
-            self._values[name] = math.nan  # for formulas that lead back to it
-            ways = self.drawing.otherwise.get(name, ()) if self.marks.values else ()
-            found = (value_of(parse(text, samples=True), self.known) for text in ways)
-            start = self._start.get(name, 0.0)
-            self._values[name] = next(filter(math.isfinite, found), start)
-        return self._values[name]
+        if name in self._values:
+            return self._values[name]
+        ways = self.drawing.otherwise.get(name, ()) if self.marks.values else ()
+        self._values[name] = math.nan  # for formulas that lead back to it
+        self._asked += 1
+        found = (value_of(parse(text, samples=True), self.known) for text in ways)
+        value = next(filter(math.isfinite, found), math.nan)
+        self._asked -= 1
+        if math.isnan(value) and not (ways and self._asked):
+            value = self._start.get(name, 0.0)
+        self._values[name] = value
+        if math.isnan(value):
+            del self._values[name]  # another way may lead to it
+        return value
 
     def _value(self, text: str) -> float:
         return value_of(parse(text), self.known)
