@@ -12,6 +12,7 @@ from typing import Final
 
 from .base import Model
 from .elapsed import Elapsed
+from .growth import Growth
 from .lobatto import Collocation
 from .method import DONE, NOT_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS, Method
 from .rounding import Rounding
@@ -34,6 +35,8 @@ LEAST_ERROR: Final = 1e-8
 SHARE: Final = 0.2
 #: an error of a step below this is rounding
 LEAST_SHARE: Final = 1e-16
+#: errors that grow are held no closer than this: rounding then decides
+CLOSEST: Final = 1e-14
 #: smallest step relative to the communication step, and that below which the state has to move
 RESOLUTION: Final = 1e-22
 SHORT: Final = 1e-14
@@ -69,10 +72,12 @@ class Adaptive(Method):
         self.log_error: float = 0.0
         self.stiff = Stiff()
         self.rounding = Rounding()
+        self.growth = Growth()
         self.elapsed = Elapsed()
         self.kept = Collocation()
         self.kept_stiff: float = 0.0
         self.kept_rounding = Rounding()
+        self.kept_growth = Growth()
         self.kept_wished: float = 0.0
         self.kept_log_error: float = 0.0
 
@@ -83,6 +88,7 @@ class Adaptive(Method):
         self.log_error = 0.0
         self.stiff.wished = 0.0
         self.rounding.forget()
+        self.growth.forget()
 
     def keep(self) -> None:
         self.kept.take(self.collocation)
@@ -90,6 +96,7 @@ class Adaptive(Method):
         self.kept_log_error = self.log_error
         self.kept_stiff = self.stiff.wished
         self.kept_rounding.take(self.rounding)
+        self.kept_growth.take(self.growth)
 
     def undo(self) -> None:
         self.collocation.take(self.kept)
@@ -97,6 +104,7 @@ class Adaptive(Method):
         self.log_error = self.kept_log_error
         self.stiff.wished = self.kept_stiff
         self.rounding.take(self.kept_rounding)
+        self.growth.take(self.kept_growth)
 
     def get_state(self) -> list[float]:
         return [
@@ -104,13 +112,15 @@ class Adaptive(Method):
             self.log_error,
             self.stiff.wished,
             *self.rounding.get_state(),
+            *self.growth.get_state(),
             *self.collocation.get_state(),
         ]
 
     def set_state(self, state: list[float]) -> None:
         self.wished, self.log_error, self.stiff.wished = state[:3]
         self.rounding.set_state(state[3:11])
-        self.collocation.set_state(state[11:])
+        self.growth.set_state(state[11:18])
+        self.collocation.set_state(state[18:])
 
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
@@ -136,6 +146,7 @@ class Adaptive(Method):
         """The steps of advance()."""
         collocation = self.collocation
         rounding = self.rounding
+        growth = self.growth
         rounding.begin()
         settles = model.settles
         share = max(SHARE * tolerance / model.magnification, LEAST_SHARE)
@@ -178,6 +189,7 @@ class Adaptive(Method):
                     )
                     # what comes next has nothing to extrapolate from
                     collocation.h = 0.0
+                    growth.leave()
                     if outcome != DONE:
                         self.reached = stiff.reached
                         return outcome
@@ -205,7 +217,10 @@ class Adaptive(Method):
             elif 2.0 * h > remaining:
                 h = 0.5 * remaining
             # an error of time made here counts by what is fastest
-            allowed = max(share / max(1.0, pace * h), LEAST_SHARE)
+            allowed = share / max(1.0, pace * h)
+            allowed = max(allowed / growth.closer, min(allowed, CLOSEST), LEAST_SHARE)
+            q0 = model.q0
+            q1 = model.q1
             try:
                 error = collocation.step(model, rounding, t, h, a0, a1, allowed) / allowed
             except (ArithmeticError, ValueError):
@@ -223,10 +238,15 @@ class Adaptive(Method):
                 rejected = False
                 if collocation.noisy:
                     rounding.note_noise(model, t, h)
+                moved0 = model.q0 - q0
+                moved1 = model.q1 - q1
                 if settles:
                     model.settle(h)
                 rounding.follow(model, collocation.a7, collocation.b7)
                 rounding.note_time(t + h, collocation.a7, collocation.b7)
+                gained0 = collocation.a7 - a0
+                gained1 = collocation.b7 - a1
+                growth.follow(model, rounding, t + h, h, moved0, moved1, gained0, gained1)
                 pace = rounding.pace() / CALM
                 if ends:
                     return DONE

@@ -125,10 +125,13 @@ class Rounding:
     def note_time(self, t: float, a0: float, a1: float) -> None:
         """Note what a rounding of the time, t s into the communication step, counts there."""
         late = 0.5 * EPSILON * (self.time + t)
-        if late * math.fabs(a0) > self.doubt * self.fast0:
-            self.doubt = late * math.fabs(a0) / max(self.fast0, late * math.fabs(a0))
-        if late * math.fabs(a1) > self.doubt * self.fast1:
-            self.doubt = late * math.fabs(a1) / max(self.fast1, late * math.fabs(a1))
+        self.note(late * math.fabs(a0), self.fast0)
+        self.note(late * math.fabs(a1), self.fast1)
+
+    def note(self, error: float, fast: float) -> None:
+        """Note an error of a rate, the largest of which was `fast`."""
+        if error > self.doubt * fast:
+            self.doubt = max(self.doubt, error / max(fast, error))
 
     def note_noise(self, model: Model, t: float, h: float) -> None:
         """Note what the rounding of a step of h s counts beside the rates so far."""
