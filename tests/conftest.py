@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from harness import Extracted, Instance
 
+from curvebound.fmi import compile as kernel
 from curvebound.fmi.build import build
 from curvebound.fmi.compile import why_not
 from curvebound.locks import locked
@@ -61,6 +62,12 @@ def _same_sys_path() -> Iterator[None]:
     before = sys.path[:]
     yield
     sys.path[:] = before
+
+
+@pytest.fixture
+def interpreting(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What this process builds runs interpreted: no minute of compiling for a second's run."""
+    monkeypatch.setattr(kernel, "why_not", lambda *_: "this test runs interpreted")
 
 
 @pytest.fixture(scope="session")

@@ -1,9 +1,9 @@
 """Makes lists of FMI calls that may fail, in a process of its own: python call_worker.py FOLDER.
 
-Reads cases from standard input as JSON, a case being a list of calls [name, argument, ...], each
-on a new instance of the FMU extracted to FOLDER. Writes one line of JSON a case, the outcomes of
-its calls: status, error messages logged during the call, and what was read. After fmi2Fatal the
-rest of a case is left out, since nothing may be called then.
+Reads lines of JSON from standard input until it ends, each a list of cases, a case being a list of
+calls [name, argument, ...], each on a new instance of the FMU extracted to FOLDER. Writes one line
+of JSON a case, the outcomes of its calls: status, error messages logged during the call, and what
+was read. After fmi2Fatal the rest of a case is left out, since nothing may be called then.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -89,28 +90,54 @@ class Driver:
         return outcomes
 
 
+class Worker:
+    """A process that runs this file for one FMU; it ends with this one, or where a case ends it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.said = tempfile.TemporaryFile()  # noqa: SIM115
+        self.process = subprocess.Popen(
+            [sys.executable, __file__, str(folder)],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.said, text=True,
+        )  # fmt: skip
+
+    def outcomes(self, cases: Sequence[Sequence[Call]]) -> Iterator[list[Outcome]]:
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.write(json.dumps(cases) + "\n")
+        self.process.stdin.flush()
+        for case in cases:
+            line = self.process.stdout.readline()
+            if not line:
+                status = self.process.wait()
+                self.said.seek(0)
+                raise AssertionError(
+                    f"the process ended with status {status} in case {case}:\n"
+                    + self.said.read().decode(errors="replace")
+                )
+            yield json.loads(line)
+
+
+_workers: dict[Path, Worker] = {}
+
+
 def outcomes_of(fmu: Extracted, cases: Sequence[Sequence[Call]]) -> list[list[Outcome]]:
     """Run this file over `cases`; a crash is an AssertionError that shows the case."""
-    done = subprocess.run(
-        [sys.executable, __file__, str(fmu.folder)],
-        input=json.dumps(cases),
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    lines = done.stdout.splitlines()
-    if done.returncode or len(lines) != len(cases):
-        last = cases[len(lines)] if len(lines) < len(cases) else "after the last case"
-        raise AssertionError(
-            f"the process ended with status {done.returncode} in case {last}:\n{done.stderr}"
-        )
-    return [json.loads(line) for line in lines]
+    worker = _workers.get(fmu.folder)
+    if worker is None or worker.process.poll() is not None:
+        worker = _workers[fmu.folder] = Worker(fmu.folder)
+    try:
+        return list(worker.outcomes(cases))
+    except BaseException:  # what it still has to say belongs to no other cases
+        worker.process.kill()
+        worker.process.wait()
+        raise
 
 
 def main() -> None:
     fmu = Extracted(Path(sys.argv[1]))
-    for case in json.load(sys.stdin):
-        print(json.dumps(Driver(fmu).case(case)), flush=True)
+    for line in sys.stdin:
+        for case in json.loads(line):
+            print(json.dumps(Driver(fmu).case(case)), flush=True)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ def begun(parameters: dict[str, Any] | None = None) -> list[Call]:
 
 
 class Family:
-    """Cases by key, run when the first outcome is asked for: one process for each FMU."""
+    """Cases by key, run when the first outcome is asked for."""
 
     def __init__(self, cases: dict[tuple[Any, ...], list[Call]]) -> None:
         self.cases = cases

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -15,6 +16,16 @@ import pathlib, sys
 from curvebound.fmi.build import build
 for name in sys.argv[3:]:
     build(name, pathlib.Path(sys.argv[1]), compiled=sys.argv[2] == "compiled")
+"""
+
+_EDITED = """
+import json, pathlib, sys
+from curvebound.fmi.build import build
+from source_copies import replace_once
+for out, file, old, new in json.loads(sys.argv[1]):
+    replace_once(pathlib.Path(file), old, new)
+    for name in sys.argv[2:]:
+        build(name, pathlib.Path(out), compiled=False)
 """
 
 
@@ -48,6 +59,25 @@ def build_from(
         [sys.executable, "-c", _BUILD, str(out), "compiled" if compiled else "-", *names],
         cwd=cwd,
         env={**os.environ, "PYTHONPATH": str(package.parent), **(environment or {})},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def build_edited(
+    package: Path, out: Path, edits: dict[str, tuple[Path, str, str]], *names: str
+) -> None:
+    """Replace a text in a file, build FMUs into out/LABEL, and so on with the next edit.
+
+    All in one process, which shall see each edit.
+    """
+    todo = json.dumps(
+        [[str(out / label), str(file), *texts] for label, (file, *texts) in edits.items()]
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", _EDITED, todo, *names],
+        env={**os.environ, "PYTHONPATH": f"{package.parent}{os.pathsep}{Path(__file__).parent}"},
         capture_output=True,
         text=True,
     )

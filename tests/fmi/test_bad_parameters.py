@@ -1,6 +1,6 @@
 """Initialization fails, with one message, where a parameter is outside its domain.
 
-The calls are made in a process of their own, one for each FMU and family of cases.
+The calls are made in a process of their own, one for each FMU.
 """
 
 from __future__ import annotations

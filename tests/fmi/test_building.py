@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 import pytest
 from interface_table import INTERFACE
-from source_copies import build_from, copy_sources, declarations, replace_once
+from source_copies import build_edited, build_from, copy_sources, declarations
 
 from curvebound.errors import CurveboundError
 from curvebound.fmi.build import build
@@ -44,7 +44,10 @@ def undated(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
 
 
-@pytest.mark.parametrize("name", NAMES)
+ONE_AND_ALL = ("BeadOnWire", *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[1:]))
+
+
+@pytest.mark.parametrize("name", ONE_AND_ALL)
 def test_twice_the_same_bytes(fmus, interpreted_fmus, tmp_path, name: str) -> None:
     compiled = build(name, tmp_path / "compiled", compiled=not why_not())
     same_files(fmus / f"{name}.fmu", compiled.path)
@@ -55,19 +58,22 @@ def test_twice_the_same_bytes(fmus, interpreted_fmus, tmp_path, name: str) -> No
     assert "\n" not in compiled.message
 
 
-def test_same_bytes_from_another_place_at_another_time(fmus, interpreted_fmus, tmp_path) -> None:
+@pytest.mark.parametrize("names", [("BeadOnWire",), pytest.param(NAMES, marks=pytest.mark.slow)])
+def test_same_bytes_from_another_place_at_another_time(
+    fmus, interpreted_fmus, tmp_path, names: tuple[str, ...]
+) -> None:
     package = copy_sources(tmp_path / "copy")
     for i, path in enumerate(sorted(tmp_path.rglob("*"))):
         os.utime(path, (1e9 + i, 1e9 + 2 * i))
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     other = {"PYTHONHASHSEED": "5", "TZ": "Pacific/Auckland", "LC_ALL": "C", "HOME": "/nonexistent"}
-    build_from(package, tmp_path / "out", *NAMES, cwd=elsewhere, environment=other)
-    for name in NAMES:
+    build_from(package, tmp_path / "out", *names, cwd=elsewhere, environment=other)
+    for name in names:
         same_files(interpreted_fmus / f"{name}.fmu", tmp_path / "out" / f"{name}.fmu")
     if not why_not():
-        build_from(package, tmp_path / "compiled", *NAMES, compiled=True, cwd=elsewhere)
-        for name in NAMES:
+        build_from(package, tmp_path / "compiled", *names, compiled=True, cwd=elsewhere)
+        for name in names:
             same_files(fmus / f"{name}.fmu", tmp_path / "compiled" / f"{name}.fmu")
     assert list(elsewhere.iterdir()) == []
 
@@ -101,28 +107,23 @@ def test_the_date_is_that_of_the_sources_or_of_source_date_epoch(
 
 def test_the_guid_follows_the_content(interpreted_fmus, tmp_path) -> None:
     package = copy_sources(tmp_path / "copy")
-    found = [{name: guid(interpreted_fmus / f"{name}.fmu") for name in NAMES}]
-    assert len(set(found[0].values())) == len(NAMES)
-
-    def rebuilt(label: str) -> dict[str, str]:
-        build_from(package, tmp_path / label, *NAMES)
-        found.append({name: guid(tmp_path / label / f"{name}.fmu") for name in NAMES})
-        return found[-1]
-
-    replace_once(package / "kernel" / "rk4.py", "0.5 * h", "0.50 * h")
-    changed = rebuilt("kernel")
-    # every FMU carries the kernel that knows no system
-    assert all(changed[name] != found[0][name] for name in NAMES)
+    names = ("BeadOnWire", "ParabolaDrive")
+    before = {name: guid(interpreted_fmus / f"{name}.fmu") for name in names}
+    assert len(set(before.values())) == 2
     own = declarations(package) / "bead_on_wire"
-    for label, file, old, new in (
-        ("system", "base.py", "self.k = self.d / self.m", "self.k = 1.0 * self.d / self.m"),
-        ("declaration", "fmu.py", '"mass of the bead (above zero)"', '"mass (above zero)"'),
-        ("drawing", "drawing.py", '"wire.radius": "radius"', '"wire.radius": "size"'),
-    ):
-        replace_once(own / file, old, new)
-        before, after = found[-1], rebuilt(label)
-        # and its own system, no other's
-        assert [name for name in NAMES if after[name] != before[name]] == ["BeadOnWire"], label
+    edits = {
+        "kernel": (package / "kernel" / "rk4.py", "0.5 * h", "0.50 * h"),
+        "system": (own / "base.py", "self.k = self.d / self.m", "self.k = 1.0 * self.d / self.m"),
+        "declaration": (own / "fmu.py", '"mass of the bead (above zero)"', '"mass (above zero)"'),
+        "drawing": (own / "drawing.py", '"wire.radius": "radius"', '"wire.radius": "size"'),
+    }
+    build_edited(package, tmp_path, edits, *names)
+    for label in edits:
+        after = {name: guid(tmp_path / label / f"{name}.fmu") for name in names}
+        # every FMU carries the kernel that knows no system, and its own system, no other's
+        expected = list(names) if label == "kernel" else ["BeadOnWire"]
+        assert [name for name in names if after[name] != before[name]] == expected, label
+        before = after
 
 
 @pytest.mark.parametrize("name", NAMES)

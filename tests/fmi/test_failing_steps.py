@@ -1,6 +1,6 @@
 """A step that fails leaves one message, finite outputs and the state as it was.
 
-The calls are made in a process of their own, one for each FMU and family of cases.
+The calls are made in a process of their own, one for each FMU.
 """
 
 from __future__ import annotations

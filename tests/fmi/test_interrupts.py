@@ -17,6 +17,7 @@ from harness import Extracted, Instance
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 fmu, settings, longest = Extracted(Path(sys.argv[1])), eval(sys.argv[2]), float(sys.argv[3])
+count = int(sys.argv[4])
 H = 1 / 128
 random.seed(1)
 
@@ -35,7 +36,7 @@ def interrupt():
 
 
 instance, arrived, inside = new(), 0, 0
-while arrived < 100:
+while arrived < count:
     timer = threading.Timer(random.random() * longest, interrupt)
     try:
         timer.start()
@@ -57,9 +58,11 @@ print(arrived, inside, done)
 """
 
 
-def run(path: Path, settings: dict[str, object], longest: float) -> tuple[int, int, int]:
+def run(
+    path: Path, settings: dict[str, object], longest: float, count: int
+) -> tuple[int, int, int]:
     done = subprocess.run(
-        [sys.executable, "-c", _HOST, str(path), repr(settings), str(longest)],
+        [sys.executable, "-c", _HOST, str(path), repr(settings), str(longest), str(count)],
         env={**os.environ, "PYTHONPATH": str(Path(__file__).parent)},
         capture_output=True,
         text=True,
@@ -75,21 +78,25 @@ PLANTS = {
     "BeadOnWire": {"solver.step": 1e-5},
     "ParabolaPendulum": {"solver.method": "adaptive", "solver.tolerance": 1e-12},
 }
+COUNTS = pytest.mark.parametrize("count", [20, pytest.param(100, marks=pytest.mark.slow)])
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent as on POSIX")
+@COUNTS
 @pytest.mark.parametrize("name", PLANTS)
-def test_every_interrupt_arrives_where_the_code_is_compiled(fmus, name: str) -> None:
-    arrived, _, steps = run(fmus / f"{name}.fmu", PLANTS[name], 0.004)
-    assert arrived == 100
+def test_every_interrupt_arrives_where_the_code_is_compiled(fmus, name: str, count: int) -> None:
+    arrived, _, steps = run(fmus / f"{name}.fmu", PLANTS[name], 0.004, count)
+    assert arrived == count
     assert steps > 0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent as on POSIX")
-@pytest.mark.parametrize("name", PLANTS)
+@pytest.mark.parametrize(
+    "name", ["BeadOnWire", pytest.param("ParabolaPendulum", marks=pytest.mark.slow)]
+)
 def test_every_interrupt_arrives_where_the_code_is_interpreted(interpreted_fmus, name: str) -> None:
     settings = {**PLANTS[name], **({"solver.step": 1e-4} if name == "BeadOnWire" else {})}
-    arrived, inside, steps = run(interpreted_fmus / f"{name}.fmu", settings, 0.01)
+    arrived, inside, steps = run(interpreted_fmus / f"{name}.fmu", settings, 0.01, 100)
     assert arrived == 100
     assert inside > 0, "some arrived in the FMU's code"
     assert steps > 0

@@ -14,6 +14,8 @@ from driven import MODELS, drive
 from harness import OK, Extracted, Instance
 from source_copies import build_from, copy_sources, declarations, replace_once
 
+NAMES = ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"]
+
 
 @pytest.fixture(scope="module")
 def other_version(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -145,12 +147,14 @@ def run(script: str, *arguments: str) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("first", ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"])
+@pytest.mark.parametrize(
+    "first",
+    ["BeadOnWire", *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[1:])],
+)
 def test_the_folder_of_an_fmu_may_be_deleted(fmus: Path, first: str) -> None:
     """Also when other FMUs of the same kernel run on modules that came from it."""
-    names = ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"]
-    at = names.index(first)
-    order = names[at:] + names[:at]
+    at = NAMES.index(first)
+    order = NAMES[at:] + NAMES[:at]
     lines = [line.split() for line in run(_DELETED, str(fmus), *order).splitlines()]
     assert [name for name, _ in lines] == order * 2
     for name, value in lines:
@@ -161,7 +165,9 @@ def test_the_folder_of_an_fmu_may_be_deleted(fmus: Path, first: str) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
-@pytest.mark.parametrize("name", ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"])
+@pytest.mark.parametrize(
+    "name", [*(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[::2]), NAMES[1]]
+)
 def test_a_thousand_instances_leave_nothing(fmus: Path, name: str) -> None:
     found = json.loads(run(_MANY, str(fmus / f"{name}.fmu")))
     assert found["paths"] == 0

@@ -1,6 +1,6 @@
 """Calls out of order, unknown variables, and what may not be set: refused, never a crash.
 
-The calls are made in a process of their own, one for each FMU and family of cases.
+The calls are made in a process of their own, one for each FMU.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ def test_same_bits(
         for instance in (one, other):
             instance.start(parameters)
         assert one.bits() == other.bits()
-        for i in range(300):
+        for i in range(150):
             inputs = inputs_at(name, one.time, constant=is_constant)
             size = 0.01 if i % 3 else 0.005 * draw.random()
             for instance in (one, other):

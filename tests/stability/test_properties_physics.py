@@ -49,7 +49,7 @@ def size_of(*columns: np.ndarray) -> float:
     return float(sum(np.abs(c).max() for c in columns))
 
 
-@counts(40, 300)
+@counts(15, 300)
 @pytest.mark.parametrize("system", FMUS)
 @pytest.mark.parametrize("method", ["adaptive", "implicit"])
 def test_energy_balance(system: str, method: str, count: int) -> None:
@@ -104,7 +104,7 @@ def test_heavy_damping_leads_implicit_to_no_other_solution(stabilization: str, p
     assert found["solver.steps"][-1] == 250
 
 
-@counts(40, 300)
+@counts(15, 300)
 def test_constraint_of_the_wire(count: int) -> None:
     def check(values: Any, method: str) -> None:
         values, step = small_steps("bead", values, method)
@@ -129,7 +129,7 @@ def test_constraint_of_the_wire(count: int) -> None:
     holds(count, check, sampled["bead"], some, refused=0.2)
 
 
-@counts(40, 300)
+@counts(15, 300)
 def test_constraints_of_the_pendulum(count: int) -> None:
     """The slider is on the parabola and the bob at the rod's end, whatever the method's error."""
 
@@ -187,7 +187,7 @@ def outputs(model: Any) -> dict[str, float]:
     return dict(zip(model.OUTPUTS, values, strict=True))
 
 
-@counts(150, 1000)
+@counts(60, 1000)
 def test_newtons_law_of_the_bead(count: int) -> None:
     """Mass times acceleration in the world is gravity, inputs and the wire's force."""
 
@@ -218,7 +218,7 @@ def test_newtons_law_of_the_bead(count: int) -> None:
     holds(count, check, sampled["bead"])
 
 
-@counts(150, 1000)
+@counts(60, 1000)
 def test_newtons_law_of_slider_bob_and_whole(count: int) -> None:
     """In both fidelities the reactions are those of the exact geometry."""
 

@@ -56,7 +56,7 @@ def prepared(system: str, values: Any, method: str, piece: tuple[float, float]) 
     }, step
 
 
-@counts(30, 400)
+@counts(12, 300)
 @pytest.mark.parametrize("system", FMUS)
 def test_mirror(system: str, count: int) -> None:
     """Left and right swapped, every bit of every output is mirrored."""
@@ -100,7 +100,7 @@ def test_half_a_turn_is_counted_alike_to_both_sides() -> None:
     assert np.abs(one["constraint.drift"]).max() > 1e6
 
 
-@counts(30, 400)
+@counts(12, 300)
 @pytest.mark.parametrize("system", FMUS)
 def test_units(system: str, count: int) -> None:
     """In other units of length, mass and time, all powers of two, every bit is the same."""
@@ -149,7 +149,7 @@ STATES = {
 }
 
 
-@counts(30, 400)
+@counts(12, 300)
 @pytest.mark.parametrize("system", FMUS)
 @pytest.mark.parametrize("method", ["implicit", "adaptive"])
 def test_time_reversal(system: str, method: str, count: int) -> None:
