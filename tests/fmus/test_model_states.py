@@ -258,3 +258,47 @@ def test_infinite_energy_is_refused(kind: str, bead_defaults: Any, parabola_defa
     mass = "bead.mass" if factory is bead_on_wire else "pendulum.mass"
     with pytest.raises(ValueError, match=r"the initial energy is .*use smaller ones"):
         factory(choices).start({**defaults, mass: 1e308, "gravity.y": -1e308}, choices)
+
+
+@pytest.mark.parametrize("fidelity", [1, 2])
+def test_what_acts_later_is_what_acts_at_a_start_that_is_later(
+    fidelity: int, parabola_defaults: dict[str, float]
+) -> None:
+    """Of a parabola that bends: its coefficient is all that depends on time."""
+    choices, t = {"model.fidelity": fidelity}, 0.7
+    damped = {**parabola_defaults, "slider.damping": 0.1, "pendulum.damping": 0.05}
+    inputs = [0.3, -0.2, 0.4, 0.5, -0.6, 0.7, -0.8]
+    bend, state = inputs[2], (0.6, -0.4, 0.9, -1.1)
+
+    def made(a: float, rate: float) -> Any:
+        model = parabola_pendulum(choices)
+        start = {"parabola.coefficient_start": a, "parabola.coefficient_rate_start": rate}
+        model.start({**damped, **start}, choices)
+        model.set_inputs(inputs, 0)
+        return model
+
+    early, late = made(0.5, 0.3), made(0.5 + t * (0.3 + 0.5 * t * bend), 0.3 + t * bend)
+    ax, ay = inputs[:2]
+    late.x, late.y, late.vx, late.vy = 0.5 * ax * t * t, 0.5 * ay * t * t, ax * t, ay * t
+    early.acceleration(t, *state)
+    late.acceleration(0.0, *state)
+    accelerations = early.a0, early.a1
+    assert accelerations == pytest.approx((late.a0, late.a1), rel=1e-13)
+    power = early.power(t, *state, *accelerations)
+    assert power == pytest.approx(late.power(0.0, *state, *accelerations), rel=1e-13)
+
+
+def test_the_form_of_the_power_is_the_power(parabola_defaults: dict[str, float]) -> None:
+    """What `exact` integrates, of sizes of which none is 1."""
+    sizes = {"slider.mass": 1.3, "pendulum.mass": 0.7, "pendulum.length": 0.8, "gravity.x": 0.4,
+             "slider.damping": 0.1, "pendulum.damping": 0.05,
+             "parabola.coefficient_start": 0.6, "parabola.coefficient_rate_start": 0.0}  # fmt: skip
+    model = parabola_pendulum({"model.fidelity": 1})
+    model.start({**parabola_defaults, **sizes}, {"model.fidelity": 1})
+    model.set_inputs([0.3, -0.2, 0.0, 0.5, -0.6, 0.7, -0.8], 0)
+    form = model.power_form()
+    for state in ((0.6, -0.4, 0.9, -1.1), (-0.2, 0.8, 0.3, 0.7)):
+        model.acceleration(0.0, *state)
+        z = (*state, 1.0)
+        found = sum(form[i][j] * z[i] * z[j] for i in range(5) for j in range(5))
+        assert found == pytest.approx(model.power(0.0, *state, model.a0, model.a1), rel=1e-13)

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
 
 from curvebound.fmi.folder import find
@@ -332,3 +333,36 @@ def test_time_rounds_coarser_than_the_period_is_fine() -> None:
         measure(law, float(i))
         assert read(law)[0] == -float(i - i % 2)
         law.advance(origin + i * 1e-5, 1e-5)
+
+
+@pytest.mark.parametrize("axis", [1, 2, 3])
+@pytest.mark.parametrize("kind", [NONE, SINE, CHIRP, STEP])
+def test_references_follow_the_same_law(kind: int, axis: int) -> None:
+    """Before, within and after a chirp, limited at times."""
+    sizes = {"amplitude": 3.0, "frequency": 0.7, "phase": 0.4, "start_time": 0.5,
+             "end_frequency": 2.1, "duration": 1.2}  # fmt: skip
+    own = {f"waveform_{name}": size for name, size in sizes.items()}
+    own |= {"feedback_slider_u": 1.5, "feedback_pendulum_angle": -0.8, "limit_acceleration": 2.5,
+            "feedback_parabola_vx": 0.3, "reference_pendulum_angle": 0.2,
+            "reference_parabola_x": 9.0}  # fmt: skip
+    measured = [0.4, 5.0, -0.6, 7.0, 8.0, 0.9]
+    module = find("ParabolaDrive").module("reference")
+    names = {k.replace(".", "_"): k for k in DEFAULTS}
+    parameters: dict[str, Any] = {**DEFAULTS, **{names[k]: v for k, v in own.items()}}
+    parameters |= {
+        "waveform.kind": ("none", "sine", "chirp", "step")[kind - 1],
+        "waveform.axis": ("x", "y", "coefficient")[axis - 1],
+    }
+    law = module.Law(parameters)
+    times = np.array([0.0, 0.49, 0.5, 0.8, 1.1, 1.69, 1.71, 2.5], dtype=np.longdouble)
+    outputs = ("parabola.ax", "parabola.ay", "parabola.coefficient_acceleration")
+    found = law.outputs(outputs, times, [], dict(zip(module._MEASURED, measured, strict=True)))
+    for k, time in enumerate(times):
+        kernel = drive(kind, axis, float(time), **own)
+        kernel.set_inputs([0.0, *measured], 1)
+        here = [float(np.broadcast_to(found[name], times.shape)[k]) for name in outputs]
+        assert here == pytest.approx(read(kernel), rel=1e-13, abs=1e-13)
+    assert law.breaks() == {NONE: [], CHIRP: [0.5, 1.7]}.get(kind, [0.5])
+    assert law.set_points() == {name: {"pendulum.angle": 0.2, "parabola.x": 9.0}.get(name, 0.0)
+                                for name in module._MEASURED}  # fmt: skip
+    assert module.Law({**DEFAULTS, "waveform.kind": "none"}).set_points() == {}

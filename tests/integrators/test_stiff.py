@@ -13,9 +13,17 @@ from small_models import Oscillator, Pendulum, Sliding, march, set_jacobian
 from curvebound.fmi.folder import find
 from curvebound.kernel import elimination, radau_tables
 from curvebound.kernel.adaptive import Adaptive
+from curvebound.kernel.base import Model
 from curvebound.kernel.elapsed import Elapsed
-from curvebound.kernel.method import DONE, TOO_MANY_STEPS
+from curvebound.kernel.method import (
+    DONE,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+)
 from curvebound.kernel.methods import create
+from curvebound.kernel.stiff import LARGEST, usual
 
 bead_on_wire = find("BeadOnWire").module("kernel").model
 
@@ -301,3 +309,26 @@ def test_a_stopped_bead_that_is_pushed_and_released(form: str, damping: float) -
         else:
             assert abs(drift) < 1e-12
             assert abs(residual) < 1e-8
+
+
+class Stiff(Model):
+    """Of a given Jacobian."""
+
+    slopes = (0.0,) * 8
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        set_jacobian(self, self.slopes)
+
+
+def test_the_usual_step_follows_from_stiffness_and_damping() -> None:
+    """1/(|-3 + 1| + sqrt(9 + 7)) s, of the diagonals alone; beyond the largest, the largest."""
+    model = Stiff()
+    model.slopes = (-9.0, 50.0, 50.0, 7.0, -3.0, 50.0, 50.0, 1.0)
+    assert usual(model, 0.0, 0.0, 0.0, 0.0, 0.0) == pytest.approx(1.0 / (2.0 + 4.0), rel=1e-15)
+    model.slopes = (0.0,) * 8
+    assert usual(model, 0.0, 0.0, 0.0, 0.0, 0.0) == LARGEST
+
+
+def test_failures_are_told_apart() -> None:
+    codes = (DONE, TOO_MANY_STEPS, STEP_TOO_SMALL, NOT_CONVERGED, NOT_FINITE)
+    assert len(set(codes)) == len(codes)
