@@ -30,7 +30,7 @@ scene.add("plant", "ParabolaPendulum", {"slider.u_start": 0.5, "pendulum.angle_s
 scene.connect_matching("drive", "plant")
 scene.connect_matching("plant", "drive")
 scene.record("plant.slider.*", "plant.pendulum.*", "plant.parabola.*", "plant.energy.*")
-scene.record("drive.parabola.ax")
+scene.record("plant.constraint.normal_force", "drive.parabola.ax")
 
 if __name__ == "__main__":
     scene.main()

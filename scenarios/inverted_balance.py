@@ -37,7 +37,7 @@ scene.connect_matching("drive", "plant")
 scene.connect_matching("plant", "drive")
 scene.input("plant.pendulum.fx", ([0.0, 5.0, 5.0, 5.2, 5.2], [0.0, 0.0, 4.0, 4.0, 0.0]))
 scene.record("plant.slider.*", "plant.pendulum.*", "plant.parabola.*", "plant.energy.*")
-scene.record("drive.parabola.ax")
+scene.record("plant.constraint.normal_force", "drive.parabola.ax")
 
 if __name__ == "__main__":
     scene.main()

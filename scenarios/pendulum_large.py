@@ -26,6 +26,7 @@ scene.add(
     },
 )
 scene.record("plant.slider.*", "plant.pendulum.*", "plant.energy.*", "plant.constraint.*")
+scene.record("plant.parabola.coefficient")
 
 if __name__ == "__main__":
     scene.main()

@@ -25,6 +25,7 @@ scene.add(
     },
 )
 scene.record("plant.slider.*", "plant.pendulum.*", "plant.energy.*", "plant.model.*")
+scene.record("plant.parabola.coefficient", "plant.constraint.normal_force")
 
 if __name__ == "__main__":
     scene.main()

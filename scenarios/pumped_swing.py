@@ -47,6 +47,7 @@ scene.add(
 )
 scene.connect("drive.parabola.coefficient_acceleration", "plant.parabola.coefficient_acceleration")
 scene.record("plant.slider.*", "plant.pendulum.*", "plant.parabola.*", "plant.energy.*")
+scene.record("plant.constraint.normal_force")
 scene.variant("detuned", {f"drive.{name}": value for name, value in pumping(1.8 * MODE).items()})
 
 if __name__ == "__main__":

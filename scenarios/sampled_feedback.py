@@ -39,7 +39,7 @@ scene.add(
 scene.connect_matching("drive", "plant")
 scene.connect_matching("plant", "drive")
 scene.record("plant.slider.*", "plant.pendulum.*", "plant.parabola.*", "plant.energy.*")
-scene.record("drive.parabola.ax")
+scene.record("plant.constraint.normal_force", "drive.parabola.ax")
 for period in (0.1, 0.2, 0.22):
     scene.variant(f"{period:g} s", {"drive.sample.period": period})
 

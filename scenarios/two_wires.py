@@ -43,7 +43,8 @@ scene.add(
 for bead in ("bead_angle", "bead_cartesian"):
     scene.connect("drive.parabola.ax", f"{bead}.wire.ax")
     scene.connect("drive.parabola.ay", f"{bead}.wire.ay")
-    scene.record(f"{bead}.bead.*", f"{bead}.wire.x", f"{bead}.wire.y", f"{bead}.energy.residual")
+    scene.record(f"{bead}.bead.*", f"{bead}.wire.x", f"{bead}.wire.y")
+    scene.record(f"{bead}.constraint.force", f"{bead}.energy.residual")
 scene.record("bead_cartesian.constraint.drift")
 
 if __name__ == "__main__":

@@ -41,6 +41,7 @@ scene.add(
 )
 scene.connect("drive.parabola.ay", "plant.parabola.ay")
 scene.record("plant.slider.*", "plant.pendulum.*", "plant.parabola.*", "plant.energy.*")
+scene.record("plant.constraint.normal_force")
 scene.variant("below", {"drive.waveform.amplitude": 0.8 * THRESHOLD * OMEGA})
 
 if __name__ == "__main__":

@@ -1,12 +1,32 @@
 """What to draw of the bead on its wire, in the names of the FMU's variables."""
 
-from curvebound.fmi.drawing import ENERGY_PLOTS, FRAME, Circle, Drawing, Plot, Point, plane
+from curvebound.fmi.drawing import (
+    ENERGY_PLOTS,
+    FRAME,
+    Arrow,
+    Circle,
+    Drawing,
+    Plot,
+    Point,
+    mass_arrows,
+    plane,
+)
 from curvebound.fmi.sketch import Angle, Length, Sketch
 
 DRAWING = Drawing(
     frame=("wire.x", "wire.y"),
     circles=(Circle("wire.x", "wire.y", "wire.radius", holds="bead"),),
     points=(Point("bead", "bead.x", "bead.y"),),
+    arrows=(
+        *mass_arrows("bead"),
+        Arrow(
+            "constraint force",
+            "C",
+            "bead",
+            "constraint.force * sin(bead.angle)",
+            "-constraint.force * cos(bead.angle)",
+        ),
+    ),
     otherwise={
         "wire.radius": (
             "first(hypot(bead.x - wire.x, bead.y - wire.y) - constraint.drift)",

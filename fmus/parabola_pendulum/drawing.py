@@ -1,7 +1,26 @@
 """What to draw of the pendulum on its parabola, in the names of the FMU's variables."""
 
-from curvebound.fmi.drawing import ENERGY_PLOTS, FRAME, Curve, Drawing, Plot, Point, Rod, plane
+from curvebound.fmi.drawing import (
+    ENERGY_PLOTS,
+    FRAME,
+    Arrow,
+    Curve,
+    Drawing,
+    Plot,
+    Point,
+    Rod,
+    mass_arrows,
+    plane,
+)
 from curvebound.fmi.sketch import Angle, Length, Sketch
+
+_STEEPNESS = "(2 * parabola.coefficient * slider.u)"
+_PUSH = f"constraint.normal_force / sqrt(1 + {_STEEPNESS}**2)"
+#: of the rod at the slider
+_PULL = (
+    "pendulum.tension * sin(pendulum.angle)",
+    "-pendulum.tension * cos(pendulum.angle)",
+)
 
 DRAWING = Drawing(
     frame=("parabola.x", "parabola.y"),
@@ -11,6 +30,13 @@ DRAWING = Drawing(
         Point("bob", "pendulum.x", "pendulum.y", shape="round", light=True),
     ),
     rods=(Rod("slider", "bob"),),
+    arrows=(
+        *mass_arrows("slider"),
+        *mass_arrows("pendulum", at="bob"),
+        Arrow("normal force", "N", "slider", f"-{_STEEPNESS} * {_PUSH}", _PUSH),
+        Arrow("rod tension", "T", "slider", *_PULL),
+        Arrow("rod tension", "T", "bob", *(f"-({formula})" for formula in _PULL)),
+    ),
     otherwise={
         "parabola.coefficient": (
             "median((slider.y - parabola.y) / (slider.x - parabola.x) ** 2)",

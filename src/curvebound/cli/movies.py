@@ -18,6 +18,10 @@ __all__ = ["asked", "configure", "write"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    parser.add_argument(
+        "--arrows", default="", metavar="NAMES",
+        help="in pictures, still or moving: arrows such as velocity,gravity by their names; or all",
+    )  # fmt: skip
     group = parser.add_argument_group("moving pictures")
     group.add_argument(
         "--gif", type=file_of(".gif"), metavar="FILE.gif", help="an animated picture"
@@ -49,7 +53,7 @@ def write(
         return []
     from ..view import Movie, write_frames, write_gif, write_mp4
 
-    movie = Movie(options.seconds, options.fps, options.size, options.transparent)
+    movie = Movie(options.seconds, options.fps, options.size, options.transparent, options.arrows)
     written = []
     if options.gif is not None:
         written.append(write_gif(results, options.gif, known, movie))

@@ -79,7 +79,9 @@ def run(options: argparse.Namespace) -> int:
     write_replay(results, out, options.title, notes, known)
     written = [out]
     if options.picture:
-        written.append(write_picture(results, options.picture, options.title, known))
+        written.append(
+            write_picture(results, options.picture, options.title, known, options.arrows)
+        )
     written += movies.write(results, options, known)
     for note in notes:
         say(options, f"note: {note}")

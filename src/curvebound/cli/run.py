@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     if options.picture is not None:
         from ..view import write_picture
 
-        say(options, str(write_picture(results, options.picture)))
+        say(options, str(write_picture(results, options.picture, arrows=options.arrows)))
     for path in movies.write(results, options):
         say(options, str(path))
     return 0

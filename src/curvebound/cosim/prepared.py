@@ -236,15 +236,17 @@ class Prepared:
     # results
 
     def _result(self, recording: Recording, counters: Counters, began: float) -> Result:
+        data = recording.table()
         return Result(
             scene=self.scene.name,
-            data=recording.table(),
+            data=data,
             wall=clock.perf_counter() - began,
             steps=counters.steps,
             trials=counters.trials,
             rejected=counters.rejected,
             units=self.system.units(self.system.recorded),
             drawings=self.system.drawings(),
+            inputs=self.system.acting(data),
             notes=[*self.system.notes, *self.log.warnings(), *_forced(counters)],
             settings={
                 "algorithm": self.scene.algorithm,

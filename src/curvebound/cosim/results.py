@@ -36,6 +36,8 @@ class Result:
         Unit by path.
     drawings : dict of str to Drawing
         What to draw of each component, where its FMU tells.
+    inputs : dict of str to array, shape (points,)
+        Inputs and tunable parameters that these drawings show as arrows, by path.
     notes : list of str
         What the user should know once: warnings of the FMUs, inputs left at their start.
     settings : dict
@@ -53,6 +55,7 @@ class Result:
     rejected: int = 0
     units: dict[str, str] = field(default_factory=dict)
     drawings: dict[str, Drawing] = field(default_factory=dict)
+    inputs: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     settings: dict[str, Any] = field(default_factory=dict)
     complete: bool = True

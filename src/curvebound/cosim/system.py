@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..fmi.drawing import Drawing
 from .fmu import Fmu, Value, Variable
 from .graph import Loop
 from .scene_data import SceneData
-from .signals import Signal
+from .signals import Signal, value_of
 
 __all__ = ["Link", "Node", "Port", "System", "path_of"]
 
@@ -97,6 +98,39 @@ class System:
                 own = {n: float(v) for n, v in node.start.items() if n in drawing.values}
                 found[node.name] = drawing._replace(values={**drawing.values, **own}, known=True)
         return found
+
+    def acting(self, data: NDArray[Any]) -> dict[str, NDArray[np.float64]]:
+        """Inputs and tunable parameters that drawings show as arrows, by path, shape (points,).
+
+        data: a result of the scene. At each of its points that which is held from there on; an
+        input is left out where the output that drives it is not in `data`.
+        """
+        found = {}
+        for node in self.nodes.values():
+            for name in sorted(
+                node.fmu.drawing.of_arrows() if node.fmu.drawing is not None else ()
+            ):
+                variable = node.fmu.variables[name]
+                if variable.causality == "input" or variable.variability == "tunable":
+                    values = self._input((node.name, name), data)
+                    if values is not None:
+                        found[f"{node.name}.{name}"] = values
+        return found
+
+    def _input(self, port: Port, data: NDArray[Any]) -> NDArray[np.float64] | None:
+        """The values of one input at the points of a result; None where they are not known."""
+        path, node = path_of(port), self.nodes[port[0]]
+        if port in self.signals:
+            function = self.signals[port]
+            return np.array([value_of(function, path, float(t)) for t in data["time"]])
+        link = next((one for one in self.links if one.target == port), None)
+        if link is None:
+            start = node.start.get(port[1], node.fmu.variables[port[1]].start)
+            return np.full(len(data), float(start or 0.0))
+        source = path_of(link.source)
+        if source not in (data.dtype.names or ()) or link.mapping:
+            return None
+        return np.asarray(link.factor * data[source] + link.offset, dtype=np.float64)
 
 
 def path_of(port: Port) -> str:

@@ -18,6 +18,7 @@ from .formula import parse, variables_of
 __all__ = [
     "ENERGY_PLOTS",
     "FRAME",
+    "Arrow",
     "Circle",
     "Curve",
     "Drawing",
@@ -27,6 +28,7 @@ __all__ = [
     "carried",
     "complete",
     "known",
+    "mass_arrows",
     "plane",
     "read",
 ]
@@ -78,6 +80,25 @@ class Curve(NamedTuple):
     holds: str = ""
 
 
+class Arrow(NamedTuple):
+    """A vector (x, y) at a point, or at FRAME, that is drawn for those who ask for it.
+
+    name: what it is, for the legend; symbol: the letter beside its tip. x, y: formulas, in `unit`;
+    arrows of one unit share a scale.
+    """
+
+    name: str
+    symbol: str
+    at: str
+    x: str
+    y: str
+    unit: str = "N"
+
+    def variables(self) -> set[str]:
+        """The variables that it needs."""
+        return variables_of(parse(self.x)) | variables_of(parse(self.y))
+
+
 class Plot(NamedTuple):
     """Variables of one unit that share axes.
 
@@ -127,6 +148,7 @@ class Drawing(NamedTuple):
     rods: tuple[Rod, ...] = ()
     circles: tuple[Circle, ...] = ()
     curves: tuple[Curve, ...] = ()
+    arrows: tuple[Arrow, ...] = ()
     frame: tuple[str, str] = ("0", "0")
     otherwise: dict[str, tuple[str, ...]] = {}
     words: dict[str, str | tuple[str, str]] = {}
@@ -143,10 +165,23 @@ class Drawing(NamedTuple):
         words = self.words.get(variable, variable.replace(".", " ").replace("_", " "))
         return (words, words) if isinstance(words, str) else words
 
+    def of_arrows(self) -> set[str]:
+        """The variables that the arrows need."""
+        return set().union(*(arrow.variables() for arrow in self.arrows))
+
 
 def plane(name: str, words: str) -> dict[str, str]:
     """Words for the two components of a vector, `name` with {} in place of the axis."""
     return {name.format(axis): f"{words} {axis}" for axis in ("x", "y")}
+
+
+def mass_arrows(name: str, at: str = "") -> tuple[Arrow, ...]:
+    """Velocity, applied force and gravity of a point mass, by its variables; `at` its point."""
+    return (
+        Arrow("velocity", "v", at or name, f"{name}.vx", f"{name}.vy", "m/s"),
+        Arrow("applied force", "F", at or name, f"{name}.fx", f"{name}.fy"),
+        Arrow("gravity", "G", at or name, f"{name}.mass * gravity.x", f"{name}.mass * gravity.y"),
+    )
 
 
 def complete(drawing: Drawing, fmu: Fmu) -> Drawing:
@@ -184,6 +219,8 @@ def _check(drawing: Drawing) -> None:
     for rod in drawing.rods:
         for end in rod:
             known(drawing, end, names | {FRAME}, "a point of the drawing")
+    for arrow in drawing.arrows:
+        known(drawing, arrow.at, names | {FRAME}, "a point of the drawing")
     for held in [line.holds for line in drawing.circles] + [line.holds for line in drawing.curves]:
         if held:
             known(drawing, held, names, "a point of the drawing")
@@ -197,6 +234,7 @@ def _check(drawing: Drawing) -> None:
         *drawing.frame,
         *(text for point in drawing.points for text in (point.x, point.y)),
         *(text for circle in drawing.circles for text in circle[:3]),
+        *(text for arrow in drawing.arrows for text in (arrow.x, arrow.y)),
     ):
         _formula(drawing, text)
     for curve in drawing.curves:
@@ -250,7 +288,7 @@ def read(data: bytes) -> Drawing:
         for part, kind in _PARTS.items():
             plain[part] = tuple(
                 kind(**{k: tuple(v) if isinstance(v, list) else v for k, v in one.items()})
-                for one in plain[part]
+                for one in plain.get(part, [])  # FMUs of before may lack one
             )
         for part in ("frame", "readouts", "outputs"):
             plain[part] = tuple(plain[part])
@@ -269,5 +307,6 @@ _PARTS: dict[str, Any] = {
     "rods": Rod,
     "circles": Circle,
     "curves": Curve,
+    "arrows": Arrow,
     "plots": Plot,
 }

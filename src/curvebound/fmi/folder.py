@@ -26,7 +26,7 @@ from ..mechanics.derive import derive
 from ..mechanics.derived import Derived
 from ..places import fmus_directory
 from .declaration import Fmu
-from .drawing import FRAME, Drawing, Point, complete, known
+from .drawing import FRAME, Drawing, Point, complete, known, mass_arrows
 from .implied import complete_variables
 from .sketch import Sketch
 
@@ -161,6 +161,7 @@ class Folder:
             frame = derived.frame
             drawing = Drawing(
                 points=tuple(Point(name, f"{name}.x", f"{name}.y") for name in derived.masses),
+                arrows=tuple(one for name in derived.masses for one in mass_arrows(name)),
                 frame=(f"{frame}.x", f"{frame}.y") if frame else ("0", "0"),
             )
         return complete(drawing, self.declaration())

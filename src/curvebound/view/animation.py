@@ -17,6 +17,7 @@ from ..errors import CurveboundError, OutsideError
 from ..files import write_whole
 from ..fmi.drawing import Drawing
 from .actors import Actor
+from .quivers import Quivers
 from .reading import Results
 from .stage import INK, Cast, Stage, figure, pixels
 
@@ -30,13 +31,15 @@ class Movie(NamedTuple):
     """How results are shown in motion.
 
     seconds: of the results, from their start. rate: frames a second. size: width and height in
-    pixels. transparent: no paper behind what is drawn.
+    pixels. transparent: no paper behind what is drawn. arrows: of velocities and forces, by their
+    names with commas between, or "all".
     """
 
     seconds: float = 10.0
     rate: int = 25
     size: int = 420
     transparent: bool = False
+    arrows: str = ""
 
 
 def write_gif(
@@ -148,6 +151,7 @@ def _drawn(cast: Cast, movie: Movie, *, clear: bool = False) -> Iterator[Any]:
         axes.patch.set_alpha(0.0)
     movers = [stage.bodies(one.actor, 0, one.colour) for one in cast.actors]
     trails = [_trail(stage, one.actor, one.colour) for one in cast.actors]
+    quivers = Quivers(stage, cast, movie.arrows)
     caption = axes.text(0.97, 0.97, "", transform=axes.transAxes, color=INK, fontsize=9,
                         va="top", ha="right")  # fmt: skip
 
@@ -158,6 +162,7 @@ def _drawn(cast: Cast, movie: Movie, *, clear: bool = False) -> Iterator[Any]:
             at, begin = one.sample(moment), one.sample(moment - _TRAIL)
             move(at)
             line.set_data(x[begin : at + 1], y[begin : at + 1])
+        quivers.move(moment)
         caption.set_text(f"{moment:.1f} s")
         yield drawn
 

@@ -14,6 +14,7 @@ _SHARED = (
     "format.js",
     "formula.js",
     "ruler.js",
+    "arrows.js",
     "scene.js",
     "shared.js",
     "bounds.js",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from ..fmi.drawing import Drawing
 from ..fmi.folder import shipped_drawings
 from ..fmi.formula import parse
 from .actors import Actor, Floats, find_actors, missing, split_name
+from .arrows import kinds_of, vectors_of
 from .geometry import box_of, distances, follows_frame
 from .packing import Packer
 from .quantities import plots_of, quantity, readouts_of
@@ -80,6 +81,12 @@ def build_model(
         "actors": [_actor(number, actor, shown, packer) for number, actor in actors],
         "plots": _plots(shown, actors, packer) + _others(shown, packer, said),
         "readouts": _readouts(shown, actors, packer),
+        "arrows": [
+            asdict(kind)
+            for kind in kinds_of(
+                (_name(at, actor, shown), actor, shown[at].data) for at, actor in actors
+            )
+        ],
         "channels": packer.channels,
         "notes": said,
     }
@@ -156,6 +163,14 @@ def _actor(number: int, actor: Actor, shown: list[_Shown], packer: Packer) -> di
         ],
         "curves": [
             {**_trees(curve.x, curve.y), "s": actor.span(curve)} for curve in drawing.curves
+        ],
+        "arrows": [
+            {
+                "kind": [one.arrow.name, one.arrow.unit],
+                "at": one.arrow.at,
+                "values": [packer.signal(one.x), packer.signal(one.y)],
+            }
+            for one in vectors_of(actor, result.data)
         ],
     }
 

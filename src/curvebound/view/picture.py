@@ -15,6 +15,7 @@ from ..fmi.drawing import FRAME, Drawing, Plot
 from .actors import Actor, Floats, split_name
 from .geometry import distances
 from .quantities import plots_of, quantity
+from .quivers import Quivers
 from .reading import Results
 from .stage import GREY, INK, Cast, Stage, as_floats, colour_of, figure, save_small
 
@@ -28,14 +29,19 @@ _ROUNDING = 1e-13
 
 
 def write_picture(
-    results: Results, out: Path, title: str | None = None, known: Sequence[Drawing] = ()
+    results: Results,
+    out: Path,
+    title: str | None = None,
+    known: Sequence[Drawing] = (),
+    arrows: str = "",
 ) -> Path:
     """Draw results to the PNG `out`: one Result or structured array, or pairs of a label and one.
 
     Columns are `time` in s and `component.variable` in SI units; those of a structured array are
     recognised as a system's of the package or of the drawings `known`. Several results share the
-    picture, each in its colour. Raises CurveboundError where matplotlib is missing or there is
-    nothing to draw.
+    picture, each in its colour. `arrows`: of velocities and forces, by their names with commas
+    between, or "all", at the last instant that is drawn. Raises CurveboundError where matplotlib is
+    missing, there is nothing to draw, or what an arrow needs is not recorded.
     """
     cast = Cast(results, known)
     plots = _plots(cast)[: _PLOTS if cast.actors else 4]
@@ -55,7 +61,7 @@ def write_picture(
     if cast.actors:
         if not plots:
             grid = drawn.add_gridspec(1, 1)
-        _strobe(drawn.add_subplot(grid[:, 0]), cast)
+        _strobe(drawn.add_subplot(grid[:, 0]), cast, arrows)
     for row, (heading, unit, logarithmic, series) in enumerate(plots):
         axes = drawn.add_subplot(grid[row, -1])
         _over_time(axes, heading, unit, logarithmic, series)
@@ -64,7 +70,7 @@ def write_picture(
     return write_whole(out, lambda path: save_small(drawn, path))
 
 
-def _strobe(axes: Any, cast: Cast) -> None:
+def _strobe(axes: Any, cast: Cast, arrows: str) -> None:
     stage = Stage(axes, [one.actor for one in cast.actors])
     first = cast.actors[0]
     start, end = float(first.time[0]), float(first.time[-1])
@@ -89,6 +95,7 @@ def _strobe(axes: Any, cast: Cast) -> None:
         words += ", seen from the frame"
     axes.set_title(f"{words}; m", fontsize=7.5, color=GREY, loc="left", pad=4)
     stage.legend(cast)
+    Quivers(stage, cast, arrows).move(until if len(flashes) else None)
 
 
 def _swing(time: Floats, actor: Actor) -> float:

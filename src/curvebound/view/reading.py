@@ -23,7 +23,7 @@ from ..errors import CurveboundError, OutsideError, reading
 from ..fmi.drawing import Drawing
 from .actors import drawings_of
 
-__all__ = ["Opened", "Reading", "Results", "check_result", "opened", "read_result"]
+__all__ = ["Opened", "Reading", "Results", "check_result", "opened", "read_result", "with_inputs"]
 
 _MOST_LISTED = 12
 _REMEDY = "Give the file that `curvebound run SCENE --out FILE.csv` wrote."
@@ -63,11 +63,25 @@ def opened(results: Results, known: Sequence[Drawing]) -> list[Opened]:
         results = [("The result", results)]
     shown = []
     for label, given in results:
-        data = np.atleast_1d(given.data if isinstance(given, Result) else given)
+        data = np.atleast_1d(with_inputs(given) if isinstance(given, Result) else given)
         check_result(label, data)
         own = given.drawings if isinstance(given, Result) else {}
         shown.append(Opened(label, data, drawings_of(data, known, own)))
     return shown
+
+
+def with_inputs(result: Result) -> NDArray[Any]:
+    """The columns of a result, and those of the inputs that drawings show."""
+    data = result.data
+    more = {name: values for name, values in result.inputs.items() if name not in result.names}
+    if not more:
+        return data
+    made = np.empty(data.shape, [*data.dtype.descr, *((name, np.float64) for name in more)])
+    for name in data.dtype.names or ():
+        made[name] = data[name]
+    for name, values in more.items():
+        made[name] = values
+    return made
 
 
 def read_result(path: Path) -> Reading:

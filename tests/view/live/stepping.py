@@ -25,14 +25,15 @@ class Clock:
 
 
 class Page:
-    """What a page would see: events, and the rows of each run."""
+    """What a page would see: events, the rows of each run, and what acts on the first one."""
 
     def __init__(self, session: Session, clock: Clock) -> None:
         self.session = session
         self.clock = clock
         self.events: list[dict[str, Any]] = []
         self.rows: dict[int, list[np.ndarray]] = {0: [], 1: []}
-        self.width = 1 + len(session.first.columns)
+        self.outputs = 1 + len(session.first.columns)
+        self.acting: list[dict[str, float]] = []
         self.pictures()
 
     def send(self, command: str, **fields: Any) -> bool:
@@ -56,7 +57,12 @@ class Page:
                 self.rows[event["run"]] = kept
             return
         numbers = np.frombuffer(message)
-        self.rows[int(numbers[0])] += list(numbers[2:].reshape(-1, self.width))
+        shown = self.session.plan.shown
+        table = numbers[2:].reshape(-1, self.outputs + len(shown))
+        self.rows[int(numbers[0])] += list(table[:, : self.outputs])
+        if not numbers[0]:
+            drawn = table[:, self.outputs :].tolist()
+            self.acting += [dict(zip(shown, row, strict=True)) for row in drawn]
 
     def value(self, name: str, run: int = 0) -> float:
         return float(self.rows[run][-1][1 + self.session.first.columns.index(name)])

@@ -191,6 +191,28 @@ def test_what_if_from_here(plan_of: PlanOf) -> None:
         assert not np.array_equal(ends[0], ends[1])
 
 
+def test_the_page_is_told_what_acts(plan_of: PlanOf) -> None:
+    """Sliders and springs together, from the communication point on from which they act."""
+    with opened(plan_of("pendulum_small")) as page:
+        bob = [grip.point for grip in page.session.plan.grips].index("bob")
+        page.send("play")
+        page.pictures(10)
+        since = page.session.first.upcoming
+        page.send("set", path="plant.pendulum.fx", value=3.0)
+        page.pictures(10)
+        forces = {row[0]: drawn["plant.pendulum.fx"] for row, drawn in
+                  zip(page.rows[0], page.acting, strict=True)}  # fmt: skip
+        assert len(forces) > 15
+        for time, force in forces.items():
+            assert force == (3.0 if time >= since else 0.0), time
+        page.send("pull", grip=bob, x=1.0, y=1.0)
+        page.pictures(10)
+        driven = page.session.driven
+        assert page.acting[-1]["plant.pendulum.fy"] != 0.0
+        for path, value in page.acting[-1].items():
+            assert value == driven[path](page.rows[0][-1][0])
+
+
 def test_a_body_follows_the_hand(plan_of: PlanOf) -> None:
     with opened(plan_of("pendulum_small")) as page:
         bob = [grip.point for grip in page.session.plan.grips].index("bob")

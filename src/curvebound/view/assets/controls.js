@@ -57,7 +57,7 @@ function pressed(page, event) {
   if (page.scene) {
     Object.assign(actions, {
       f: () => page.look(() => page.scene.fit()), c: () => page.toggleFollow(),
-      t: () => page.nextTrail(),
+      t: () => page.nextTrail(), w: () => page.nextArrows(),
       "+": () => page.look(() => page.scene.zoomBy(1.4)),
       "=": () => page.look(() => page.scene.zoomBy(1.4)),
       "-": () => page.look(() => page.scene.zoomBy(1 / 1.4)),

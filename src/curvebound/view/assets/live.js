@@ -2,6 +2,7 @@
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
 const MOST_NOTES = 4;
+const KEPT = ["zoom", "panX", "panY", "trail", "following", "arrows"];  // of a scene where others run
 
 class LivePage extends ScenePage {
   constructor(socket, model) {
@@ -81,14 +82,17 @@ class LivePage extends ScenePage {
     actors.forEach((actor, number) => { actor.number = number; });
     this.many = actors.length > 1;
     if (this.model.view) {
-      const plain = actors.map((actor) => ({ ...actor, places: {} }));
-      this.scene = new Scene(get("scene"), { view: this.model.view, actors: plain }, [fresh[0].times], () => this.colours);
+      const plain = actors.map((actor) => ({ ...actor, places: {}, arrows: [] }));
+      const model = { view: this.model.view, actors: plain, arrows: this.model.arrows };
+      this.scene = new Scene(get("scene"), model, [fresh[0].times], () => this.colours);
       this.scene.actors.forEach((actor, k) => {
         actor.sources = actors[k].places;
+        actor.arrows = actors[k].arrows;
         actor.growing = actors[k].curves.map((curve, i) => ({ ...curve, drawn: actor.curves[i] }))
           .filter(({ grows }) => grows);
       });
-      if (before) for (const name of ["zoom", "panX", "panY", "trail", "following"]) this.scene[name] = before[name];
+      if (before) for (const name of KEPT) this.scene[name] = before[name];
+      else buildArrows(this);
       get("follow").setAttribute("aria-pressed", String(this.scene.following));
     }
     buildLegend(this, actors);
@@ -183,6 +187,7 @@ class LivePage extends ScenePage {
         const samples = this.samples[actor.run];
         actor.times = samples.view(samples.times);
         for (const [name, values] of Object.entries(actor.sources)) actor.places[name] = samples.view(values);
+        for (const arrow of actor.arrows) arrow.values = arrow.sources.map((values) => samples.view(values));
       }
       if (this.scene.actors.every((actor) => actor.times.length)) {
         this.placed = this.scene.draw(this.time);
@@ -268,6 +273,7 @@ class LivePage extends ScenePage {
   fit() {
     if (!this.scene) return;
     this.scene.view = { ...this.model.view, world: boxOf(this) };
+    this.arrows.fit(this.scene.actors);
     this.look(() => this.scene.fit());
   }
 

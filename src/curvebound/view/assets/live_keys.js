@@ -25,6 +25,7 @@ function liveKey(page, event) {
     g: () => page.grips.next(), o: () => page.toggleDegrees(), d: () => page.nextTheme(), "?": () => page.help(),
     "<": () => page.nextOf("span", 1), ">": () => page.nextOf("span", -1),
     f: () => page.fit(), c: () => page.toggleFollow(), t: () => page.nextOf("trail", 1, true),
+    w: () => page.nextArrows(),
     "+": () => page.look(() => page.scene?.zoomBy(1.4)), "=": () => page.look(() => page.scene?.zoomBy(1.4)),
     "-": () => page.look(() => page.scene?.zoomBy(1 / 1.4)),
   };

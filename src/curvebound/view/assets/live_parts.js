@@ -170,6 +170,7 @@ function buildLiveControls(page) {
   on("zoom-out", () => page.look(() => page.scene.zoomBy(1 / 1.4)));
   on("fit", () => page.fit());
   on("degrees", () => page.toggleDegrees());
+  disclose(get("choose"), get("chooser"));
   on("picture", () => download(page.scene.canvas, fileName(page.model.name, page.time.toFixed(2))));
   on("follow", () => page.toggleFollow());
   get("trail").addEventListener("change", () => page.look(() => { page.scene.trail = Number(get("trail").value); }));

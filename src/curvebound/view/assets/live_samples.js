@@ -6,6 +6,7 @@ class Samples {
   // run: as the server tells it, with its actors; columns: how many outputs a row has.
   constructor(run, columns) {
     this.length = 0;
+    this.pushed = 0;  // rows in all
     this.columns = Array.from({ length: columns + 1 }, () => new Float64Array(CAPACITY));
     this.times = this.columns[0];
     this.derived = [];
@@ -19,15 +20,24 @@ class Samples {
       places[name] = column === undefined ? new Float64Array(CAPACITY).fill(value)
         : this.columns[column + 1];
     }
-    const names = Object.keys(places);
+    // The variables of the row that is being pushed, once for all formulas.
+    const sources = Object.entries(places), values = {};
+    let pushed = -1;
+    const row = (k) => {
+      if (pushed !== this.pushed) for (const [name, source] of sources) values[name] = source[k];
+      pushed = this.pushed;
+      return values;
+    };
+    const channel = (tree) => {
+      const apply = formula(tree);
+      return this.derive((k) => apply(row(k)));
+    };
     for (const [point, { x, y }] of Object.entries(actor.formulas)) {
-      for (const [axis, tree] of [["x", x], ["y", y]]) {
-        const apply = formula(tree);
-        places[`${point} ${axis}`] = this.derive((k) => (
-          apply(Object.fromEntries(names.map((name) => [name, places[name][k]])))));
-      }
+      places[`${point} x`] = channel(x);
+      places[`${point} y`] = channel(y);
     }
-    return { ...actor, places };
+    const arrows = actor.arrows.map(({ kind, at, x, y }) => ({ kind, at, sources: [channel(x), channel(y)] }));
+    return { ...actor, places, arrows };
   }
 
   // A channel that follows from the others: of(k) is its value in row k.
@@ -45,6 +55,7 @@ class Samples {
     if (this.length && row[0] <= this.last) this.cut(row[0], false);
     if (this.length === CAPACITY) this.forget(CAPACITY / 4);
     const k = this.length;
+    this.pushed++;
     for (let i = 0; i < this.columns.length; i++) this.columns[i][k] = row[i];
     for (const { values, of } of this.derived) values[k] = of(k);
     this.length = k + 1;

@@ -21,6 +21,18 @@ class ScenePage {
     get("follow").setAttribute("aria-pressed", String(this.scene.following));
   }
 
+  get arrows() {
+    return this.scene.arrows;
+  }
+
+  nextArrows() {
+    if (!this.scene) return;
+    this.arrows.next();
+    this.showArrows();
+    const names = [...this.arrows.shown].map(({ name }) => name).join(", ");
+    get("spoken").textContent = `arrows: ${names || "none"}`;
+  }
+
   toggleDegrees() {
     this.degrees = !this.degrees;
     get("degrees").setAttribute("aria-pressed", String(this.degrees));

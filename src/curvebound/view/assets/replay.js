@@ -21,6 +21,7 @@ class Page extends ScenePage {
     if (model.actors.length) {
       this.scene = new Scene(get("scene"), model, channels, () => this.colours);
       this.buildLegend();
+      buildArrows(this);
       listenScene(this);
     } else {
       get("stage").hidden = true;
@@ -231,6 +232,7 @@ class Page extends ScenePage {
     };
     this.plots = this.model.plots.map((spec) => new TimePlot(spec, this.channels, page));
     const chooser = get("chooser");
+    disclose(get("choose"), chooser);
     this.plots.forEach((plot, k) => {
       const box = element("input", undefined, { type: "checkbox", id: `plot-${k}` });
       box.checked = plot.spec.shown;

@@ -12,6 +12,7 @@ class Scene {
     this.colours = colours;
     this.trail = 1;
     this.hidden = new Set();  // numbers of actors
+    this.arrows = new Arrows(model.arrows);
     this.following = model.view.follow;
     this.actors = model.actors.map((actor, number) => {
       const places = {};
@@ -19,7 +20,8 @@ class Scene {
       const circles = actor.circles.map(({ x, y, radius, holds }) => (
         { x: formula(x), y: formula(y), radius: formula(radius), holds }));
       const curves = actor.curves.map(({ x, y, s }) => ({ x: formula(x), y: formula(y), s }));
-      return { ...actor, number, places, circles, curves, times: channels[actor.time] };
+      const arrows = actor.arrows.map((arrow) => ({ ...arrow, values: arrow.values.map((at) => channels[at]) }));
+      return { ...actor, number, places, circles, curves, arrows, times: channels[actor.time] };
     });
     this.zoom = 1;
     this.panX = 0;
@@ -117,6 +119,7 @@ class Scene {
     for (const actor of seen) this.trails(camera, actor, placed[actor.number], t, colours);
     for (const actor of seen) this.bodies(camera, actor, placed[actor.number], colours);
     drawScaleBar(c, this, camera, colours);
+    this.arrows.draw(this, camera, placed, t, colours);
     const blank = this.actors.filter((_, i) => placed[i].blank).map((actor) => actor.label);
     if (blank.length) {
       c.fillStyle = colours.ink;

@@ -10,6 +10,16 @@ function element(tag, text, attributes = {}) {
   return made;
 }
 
+// A button that shows a row under it and takes it away.
+function disclose(button, row) {
+  button.setAttribute("aria-controls", row.id);
+  button.setAttribute("aria-expanded", "false");
+  button.addEventListener("click", () => {
+    row.hidden = !row.hidden;
+    button.setAttribute("aria-expanded", String(!row.hidden));
+  });
+}
+
 function complain(problem) {
   const text = problem instanceof Error ? `${problem.name}: ${problem.message}` : String(problem);
   get("trouble").textContent = `The page cannot go on (${text}).`;

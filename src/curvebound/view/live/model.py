@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ...cosim.system import System
+from ...cosim.system import System, path_of
 from ...fmi.drawing import FRAME, Drawing
 from ...fmi.formula import Tree, parse, variables_of
 from ..actors import Actor, find_actors
+from ..arrows import kinds_of
 from ..geometry import box_of, follows_frame
 from ..quantities import plots_of, quantity, readouts_of
 from .controls import own_settings
@@ -22,13 +23,15 @@ __all__ = ["actors_of", "describe"]
 def describe(plan: Plan) -> dict[str, Any]:
     """What stays the same while the page is open, JSON-able."""
     scene = plan.scene
-    drawn = [actor for _, actor in _seen(plan)]
+    seen = _seen(plan)
+    drawn = [actor for _, actor in seen]
     made: dict[str, Any] = {
         "name": scene.name,
         "description": scene.description,
         "start": scene.start_time,
         "step": scene.step,
-        "columns": _columns(plan.system),
+        "columns": _columns(plan),
+        "arrows": [asdict(kind) for kind in kinds_of((*one, plan.seen) for one in seen)],
         "controls": [asdict(control) for control in plan.controls.values()],
         "settings": [
             *own_settings(plan.system),
@@ -56,20 +59,31 @@ def describe(plan: Plan) -> dict[str, Any]:
 def actors_of(plan: Plan, system: System) -> list[dict[str, Any]]:
     """What to draw of a run of the scene, whose system has parameters of its own."""
     drawings = system.drawings()
-    columns = _columns(system)
-    return [_actor(name, seen, drawings[name], columns) for name, seen in _seen(plan)]
+    return [_actor(name, seen, drawings[name], _sources(plan)) for name, seen in _seen(plan)]
 
 
-def _columns(system: System) -> list[str]:
-    return [".".join(port) for port in system.recorded]
+def _columns(plan: Plan) -> list[str]:
+    """What a row holds after its time: the outputs, then the controls that are drawn."""
+    return [*(".".join(port) for port in plan.system.recorded), *plan.shown]
+
+
+def _sources(plan: Plan) -> dict[str, int]:
+    """The column of each variable, those of inputs being of the outputs that drive them."""
+    places = {name: number for number, name in enumerate(_columns(plan))}
+    driven = {
+        path_of(link.target): places[path_of(link.source)]
+        for link in plan.system.links
+        if link.is_plain
+    }
+    return {**driven, **places}
 
 
 def _seen(plan: Plan) -> list[tuple[str, Actor]]:
     """The components that can be drawn, with their motion in the run beforehand."""
     drawings = plan.system.drawings()
     known = {f"{name}.": drawing for name, drawing in drawings.items()}
-    found = [(actor.prefix[:-1], actor) for actor in find_actors(plan.seen.data, known)]
-    columns = set(_columns(plan.system))
+    found = [(actor.prefix[:-1], actor) for actor in find_actors(plan.seen, known)]
+    columns = set(_columns(plan))
     return [
         (name, actor)
         for name, actor in found
@@ -91,13 +105,12 @@ def _variables(drawing: Drawing) -> set[str]:
     return set().union(*(variables_of(parse(text)) for text in texts)) - {"s"}
 
 
-def _actor(name: str, seen: Actor, drawing: Drawing, columns: list[str]) -> dict[str, Any]:
+def _actor(name: str, seen: Actor, drawing: Drawing, sources: dict[str, int]) -> dict[str, Any]:
     names: dict[str, Any] = {}
-    for variable in sorted(_variables(drawing)):
-        column = f"{name}.{variable}"
-        if column in columns:
-            names[variable] = {"column": columns.index(column)}
-        else:
+    for variable in sorted(_variables(drawing) | drawing.of_arrows()):
+        if f"{name}.{variable}" in sources:
+            names[variable] = {"column": sources[f"{name}.{variable}"]}
+        elif variable in drawing.values:
             names[variable] = {"value": drawing.values[variable]}
     return {
         "component": name,
@@ -126,6 +139,11 @@ def _actor(name: str, seen: Actor, drawing: Drawing, columns: list[str]) -> dict
             }
             for curve in drawing.curves
         ],
+        "arrows": [
+            {"kind": [arrow.name, arrow.unit], "at": arrow.at, **_trees(arrow.x, arrow.y)}
+            for arrow in drawing.arrows
+            if all(one in names for one in arrow.variables())
+        ],
     }
 
 
@@ -149,7 +167,7 @@ def _series(plan: Plan, name: str, drawing: Drawing | None, variable: str) -> di
     if low == high == 0.0:
         high = 1.5  # it may move yet: decimals are wanted
     return {
-        "column": _columns(plan.system).index(column),
+        "column": _columns(plan).index(column),
         "component": name,
         "label": what.label,
         "name": what.name,
@@ -160,7 +178,7 @@ def _series(plan: Plan, name: str, drawing: Drawing | None, variable: str) -> di
 
 def _plots(plan: Plan) -> list[dict[str, Any]]:
     """Every plot that the drawings declare, then one for each output that none declares."""
-    columns = set(_columns(plan.system))
+    columns = set(_columns(plan))
     owners = _owners(plan)
     plots: list[dict[str, Any]] = []
     for plot in plots_of([drawing for _, drawing in owners]):
@@ -211,7 +229,7 @@ def _others(plan: Plan, known: set[str], *, seen: bool) -> list[dict[str, Any]]:
 
 
 def _readouts(plan: Plan) -> list[dict[str, Any]]:
-    columns = set(_columns(plan.system))
+    columns = set(_columns(plan))
     seen = [name for name, _ in _seen(plan)]
     owners = [(name, drawing) for name, drawing in _owners(plan) if name in seen]
     return [

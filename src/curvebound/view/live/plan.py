@@ -8,6 +8,7 @@ from ...cosim import Result, RunFailed, Scene
 from ...cosim.fmu import Value
 from ...cosim.prepared import Prepared
 from ...errors import CurveboundError
+from ..reading import with_inputs
 from .controls import OWN_SETTINGS, controls_of, grips_of, settings_of
 from .driven import Driven
 
@@ -21,6 +22,7 @@ class Plan:
 
     scene: recording all outputs, with a fixed macro step. system: the same, resolved.
     controls, settings: what may be changed while it runs, and with a restart, by path.
+    shown: the controls that drawings show as arrows, by path: the page is told their values too.
     seen: a run of the scene as it is, from which the page takes the part of the plane to show.
     notes: what the page should say at first. Raises CurveboundError where the scene is wrong.
     """
@@ -42,7 +44,10 @@ class Plan:
         self.controls = {control.path: control for control in controls_of(self.system)}
         self.settings = {control.path: control for control in settings_of(self.system)}
         self.grips = grips_of(self.system)
-        self.seen = self._look()
+        drawings = self.system.drawings()
+        arrows = {f"{name}.{one}" for name in drawings for one in drawings[name].of_arrows()}
+        self.shown = [path for path in self.controls if path in arrows]
+        self.seen = with_inputs(self._look())
         driven = self.driven({path: float(one.value) for path, one in self.controls.items()})
         self.notes += self.stepped({}, driven)[0].check().notes
 

@@ -422,7 +422,9 @@ class Session:
     # what the page is told
 
     def _show(self, number: int) -> None:
-        self._rows.setdefault(number, []).append(self._runs[number].stepped.row().copy())
+        run = self._runs[number]
+        drawn = [run.driven[path](run.stepped.time) for path in self.plan.shown]
+        self._rows.setdefault(number, []).append(np.concatenate([run.stepped.row(), drawn]))
 
     def _show_runs(self, *, kept: bool = False) -> None:
         """Tell which runs there are; unless `kept`, the page begins anew."""

@@ -1,0 +1,98 @@
+"""Arrows of velocities and forces on matplotlib axes, as the pages draw them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .arrows import Kind, Vector, kinds_of, vectors_of, wanted
+from .stage import INK, Cast, Role, Stage, colour_of
+
+__all__ = ["Quivers"]
+
+_REACH = 0.22  # of the smaller side of the axes, for the greatest
+_CUT = 2.0  # times that: what is longer is cut there, and says so
+_COLOURS = (6, 7, 4, 5, 3, 2, 1, 0)  # those that bodies take last
+
+
+class Quivers:
+    """Arrows of the kinds that `asked` names, of all that a cast shows on a stage.
+
+    Raises CurveboundError where a kind is not there, or what it needs is not recorded.
+    """
+
+    def __init__(self, stage: Stage, cast: Cast, asked: str) -> None:
+        self._stage = stage
+        kinds = kinds_of((one.label, one.actor, one.data) for one in cast.actors)
+        chosen = wanted(asked, kinds) if asked else []
+        (left, right), (low, high) = stage.axes.get_xlim(), stage.axes.get_ylim()
+        self._reach = _REACH * min(right - left, high - low)
+        self._moving: list[tuple[Role, Vector, float, Any, Any]] = []
+        for number, kind in enumerate(kinds):
+            if kind in chosen:
+                greatest = max(one.size for one in chosen if one.unit == kind.unit) or 1.0
+                self._add(kind, cast, self._reach / greatest, colour_of(_COLOURS[number % 8]))
+        self._legend(chosen)
+
+    def _add(self, kind: Kind, cast: Cast, scale: float, colour: str) -> None:
+        """The arrows of one kind; scale: metres for one of its unit."""
+        for one in cast.actors:
+            for vector in vectors_of(one.actor, one.data):
+                if (vector.arrow.name, vector.arrow.unit) != (kind.name, kind.unit):
+                    continue
+                quiver = self._stage.axes.quiver(
+                    [0.0], [0.0], [0.0], [0.0], color=colour, angles="xy", scale_units="xy",
+                    scale=1.0, width=0.006, minlength=0.0, zorder=5,
+                )  # fmt: skip
+                letter = self._stage.axes.text(
+                    0.0, 0.0, "", color=INK, fontsize=8, fontweight="bold", ha="center",
+                    va="center", zorder=6, clip_on=True,
+                )  # fmt: skip
+                self._moving.append((one, vector, scale, quiver, letter))
+
+    def move(self, time: float | None = None) -> None:
+        """Draw them at a time in s, or at the end."""
+        for one, vector, scale, quiver, letter in self._moving:
+            at = one.last if time is None else one.sample(time)
+            x, y = (path[at] for path in self._stage.path(one.actor, vector.arrow.at))
+            along = scale * np.array([vector.x[at], vector.y[at]])
+            length = float(np.hypot(*along))
+            if not length > 0.01 * self._reach:
+                quiver.set_UVC([0.0], [0.0])
+                letter.set_text("")
+                continue
+            longest = _CUT * self._reach
+            drawn = along * min(1.0, longest / length)
+            quiver.set_offsets([[x, y]])
+            quiver.set_UVC([drawn[0]], [drawn[1]])
+            tip = np.array([x, y]) + drawn + 0.13 * self._reach * along / length
+            letter.set_position(tip)
+            more = f" \N{MULTIPLICATION SIGN}{length / longest:.2g}" if length > longest else ""
+            letter.set_text(vector.arrow.symbol + more)
+
+    def _legend(self, chosen: list[Kind]) -> None:
+        """A key of each kind: an arrow of a round number, what it is and how much."""
+        seen: set[tuple[str, str]] = set()
+        axes = self._stage.axes
+        for _, vector, scale, quiver, _ in self._moving:
+            key = (vector.arrow.name, vector.arrow.unit)
+            if key in seen:
+                continue
+            value = _round(0.3 * self._reach / scale)
+            words = f"{vector.arrow.symbol} {vector.arrow.name}, {value:g} {vector.arrow.unit}"
+            left, right = axes.get_xlim()
+            length = value * scale / (right - left)
+            made = axes.quiverkey(
+                quiver, 0.02 + length, 0.04 + 0.05 * (len(chosen) - 1 - len(seen)), value * scale,
+                words, labelpos="E", labelcolor=INK, fontproperties={"size": 7.5}, zorder=6,
+            )  # fmt: skip
+            paper = {"facecolor": axes.get_facecolor(), "edgecolor": "none", "pad": 1.0}
+            made.text.set_bbox(paper)
+            seen.add(key)
+
+
+def _round(least: float) -> float:
+    """1, 2 or 5 times a power of ten, the nearest above."""
+    power = 10.0 ** np.floor(np.log10(least))
+    return float(next(k * power for k in (1.0, 2.0, 5.0, 10.0) if k * power >= least * 0.999999))

@@ -1,0 +1,230 @@
+"""Arrows of velocities and forces: where they point, how long they are, what is said of others."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browsing import Tab
+from motions import bead, without
+
+from curvebound.cosim import Scene
+from curvebound.errors import CurveboundError
+from curvebound.fmi.drawing import Arrow, Drawing, mass_arrows
+from curvebound.fmi.folder import find, shipped_drawings
+from curvebound.view import write_picture, write_replay
+from curvebound.view.actors import find_actors
+from curvebound.view.arrows import kinds_of, vectors_of, wanted
+from curvebound.view.reading import opened, with_inputs
+
+SIZES = [(1280, 900, False), (390, 844, True)]
+#: the shafts of the first kind of arrow at time t: begin, end, colour; the camera and the height
+SHAFTS = """((t) => {
+  const scene = curvebound.scene, real = scene.context, lines = [];
+  let from = null, to = null;
+  scene.context = new Proxy(real, {
+    get(c, key) {
+      if (key === "moveTo") return (...at) => { from = at; c.moveTo(...at); };
+      if (key === "lineTo") return (...at) => { to = at; c.lineTo(...at); };
+      if (key === "stroke") return () => { lines.push([from, to, c.strokeStyle]); c.stroke(); };
+      return typeof c[key] === "function" ? c[key].bind(c) : c[key];
+    },
+    set(c, key, value) { c[key] = value; return true; },
+  });
+  try { scene.draw(t); } finally { scene.context = real; }
+  const { actors } = curvebound.colours;
+  return [lines.filter(([, , colour]) => colour === actors[6]), scene.drawn, scene.height];
+})"""
+
+
+def shown(data: Any) -> list[tuple[str, Any, Any]]:
+    (result,) = opened(data, shipped_drawings())
+    return [("it", actor, result.data) for actor in find_actors(result.data, result.drawings)]
+
+
+def known(name: str) -> Drawing:
+    return find(name).drawing()._replace(known=True)
+
+
+def test_every_force_and_velocity_is_that_of_the_motion() -> None:
+    """Mass times acceleration is the sum of the arrows: constraint, gravity, applied."""
+    data = bead(2.0, 1e-3)
+    ((_, actor, _),) = shown(data)
+    actor = type(actor)(known("BeadOnWire"), actor.prefix, actor.size, actor.places)
+    found = {one.arrow.name: one for one in vectors_of(actor, data)}
+    assert set(found) == {"velocity", "gravity", "constraint force"}  # bead.fx is not recorded
+    inner = slice(2, -2)
+    for axis, force in (("x", lambda one: one.x), ("y", lambda one: one.y)):
+        velocity = np.gradient(data[f"bead.bead.{axis}"], data["time"])
+        assert force(found["velocity"])[inner] == pytest.approx(velocity[inner], abs=1e-4)
+        pushed = np.gradient(data[f"bead.bead.v{axis}"], data["time"])  # of 1 kg
+        total = force(found["gravity"]) + force(found["constraint force"])
+        assert total[inner] == pytest.approx(pushed[inner], abs=1e-3)
+
+
+def test_the_forces_on_two_bodies_move_them(fmus: Path) -> None:
+    scene = Scene("moved", stop_time=1.0, step=1e-3)
+    start = {"slider.mass": 2.0, "pendulum.mass": 0.5, "solver.method": "adaptive"}
+    scene.add("plant", fmus / "ParabolaPendulum.fmu", start)
+    scene.input("plant.parabola.ax", lambda t: 2.0)
+    scene.input("plant.pendulum.fx", lambda t: 1.0)
+    ((_, actor, data),) = shown(scene.run())
+    vectors = vectors_of(actor, data)
+    for point, body, mass in (("slider", "slider", 2.0), ("bob", "pendulum", 0.5)):
+        for axis in "xy":
+            acting = [one for one in vectors if one.arrow.at == point and one.arrow.unit == "N"]
+            assert len(acting) == (4 if point == "slider" else 3)
+            total = sum(one.x if axis == "x" else one.y for one in acting)
+            moved = mass * np.gradient(data[f"plant.{body}.v{axis}"], data["time"])
+            assert total[2:-2] == pytest.approx(moved[2:-2], abs=1e-3)
+
+
+def test_what_is_not_recorded_is_said_and_not_guessed() -> None:
+    data = without(bead(1.0, 0.01), "bead.constraint.force")
+    kinds = {kind.name: kind for kind in kinds_of(shown(data))}
+    assert kinds["velocity"].drawn
+    assert not kinds["constraint force"].drawn
+    assert kinds["constraint force"].lacks == ("constraint.force not recorded",)
+    # of columns alone nobody knows the mass: that of the declaration may be another
+    assert kinds["gravity"].lacks == ("bead.mass, gravity.x, gravity.y not recorded",)
+    with pytest.raises(CurveboundError, match=r"gravity: bead\.mass, .* not recorded"):
+        wanted("velocity, Gravity", list(kinds.values()))
+    with pytest.raises(CurveboundError, match="There is no arrow 'lift': choose of velocity"):
+        wanted("lift", list(kinds.values()))
+    assert [one.name for one in wanted("all", list(kinds.values()))] == ["velocity"]
+
+
+def test_a_run_knows_its_masses_and_what_acts_on_its_inputs(fmus: Path) -> None:
+    scene = Scene("pushed", stop_time=1.0, step=0.1)
+    scene.add("plant", fmus / "BeadOnWire.fmu", {"bead.mass": 3.0, "bead.fy": 2.0})
+    scene.input("plant.bead.fx", ([0.0, 0.5, 0.5], [0.0, 0.0, 4.0]))
+    result = scene.run()
+    (told,) = shown(result)
+    found = {one.arrow.name: one for one in vectors_of(*told[1:])}
+    assert found["gravity"].y == pytest.approx(-3.0 * 9.81)
+    assert found["applied force"].x.tolist() == [0.0] * 5 + [4.0] * 6
+    assert found["applied force"].y.tolist() == [2.0] * 11
+    assert "plant.bead.fx" in (with_inputs(result).dtype.names or ())
+    assert "plant.bead.fx" not in result.names, "the result itself stays as it was asked for"
+
+
+def test_a_link_drives_an_arrow_where_its_source_is_recorded(fmus: Path) -> None:
+    def built(*recorded: str) -> list[str]:
+        scene = Scene("linked", stop_time=0.5, step=0.1)
+        scene.add("one", fmus / "BeadOnWire.fmu")
+        scene.add("other", fmus / "BeadOnWire.fmu")
+        scene.connect("one.wire.fx", "other.bead.fx")
+        scene.record("one.bead.*", "other.bead.*", *recorded)
+        result = scene.run()
+        if recorded:
+            assert result.inputs["other.bead.fx"].tolist() == result["one.wire.fx"].tolist()
+        return [name for name in result.inputs if name == "other.bead.fx"]
+
+    assert built("one.wire.fx") == ["other.bead.fx"]
+    assert built() == []
+
+
+def test_declared_arrows_are_checked() -> None:
+    from curvebound.fmi.drawing import complete
+
+    fmu = find("BeadOnWire").fmu()
+    for arrow, said in (
+        (Arrow("lift", "L", "bead", "bead.fx", "bead.fz"), "names 'bead.fz'"),
+        (Arrow("lift", "L", "wing", "bead.fx", "bead.fy"), "names 'wing'"),
+    ):
+        bare = Drawing(points=find("BeadOnWire").drawing().points, arrows=(arrow,))
+        with pytest.raises(CurveboundError, match=said):
+            complete(bare, fmu)
+    assert [one.name for one in mass_arrows("bead")] == ["velocity", "applied force", "gravity"]
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("arrows") / "bead.html"
+    return write_replay([("bead", BEAD)], out)
+
+
+BEAD = bead(4.0, 0.02)
+
+
+def test_keys_draw_arrows_to_scale(tab: Tab, page: Path) -> None:
+    """From the body, along its velocity; the greatest usual one a share of the height."""
+    tab.open(page)
+    assert tab.run(f"{SHAFTS}(1)")[0] == []
+    tab.key("w")
+    kinds = {one["name"]: one for one in tab.run("[...curvebound.arrows.shown]")}
+    assert set(kinds) == {"velocity"}
+    i = 77
+    lines, camera, height = tab.run(f"{SHAFTS}({float(BEAD['time'][i])!r})")
+    (begin, end, _), key = lines  # the other is in the legend
+    scale = 0.22 * height / kinds["velocity"]["size"]
+    x, y, vx, vy = (BEAD[f"bead.bead.{name}"][i] for name in ("x", "y", "vx", "vy"))
+    at = [camera["left"] + x * camera["scale"], camera["bottom"] - y * camera["scale"]]
+    assert begin == pytest.approx(at, abs=0.1)
+    along = np.array(end) - begin
+    assert math.atan2(-along[1], along[0]) == pytest.approx(math.atan2(vy, vx), abs=0.02)
+    length = scale * math.hypot(vx, vy)
+    assert np.hypot(*along) == pytest.approx(length - min(9, 0.6 * length), abs=0.5)
+    assert key[0][0] == 12
+    assert key[0][1] > height - 40
+    assert tab.run("document.getElementById('spoken').textContent") == "arrows: velocity"
+
+
+def test_a_long_arrow_is_cut_and_says_so(tab: Tab, page: Path) -> None:
+    tab.open(page)
+    tab.run("curvebound.nextArrows(); curvebound.arrows.kinds[0].size /= 100")
+    texts = tab.run(
+        "(() => { const said = [], c = curvebound.scene.context, real = c.fillText.bind(c);"
+        "c.fillText = (text, ...at) => { said.push(text); real(text, ...at); };"
+        "curvebound.scene.draw(1.5); delete c.fillText; return said; })()"
+    )
+    assert any(text.startswith("v \u00d7") for text in texts)
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("size", SIZES)
+def test_the_row_of_arrows_is_read_and_covers_nothing(
+    tab: Tab, page: Path, size: tuple[int, int, bool], dark: bool
+) -> None:
+    width, height, mobile = size
+    tab.size(width, height, mobile=mobile, ratio=2 if mobile else 1)
+    tab.dark(dark)
+    tab.open(page)
+    below = "document.getElementById('plot-area').getBoundingClientRect().top"
+    before = tab.run(below)
+    tab.run("document.getElementById('arrows-button').click()")
+    assert tab.run("document.getElementById('arrows-button').ariaExpanded") == "true"
+    assert tab.run(below) > before, "what is below makes room"
+    assert tab.run("document.documentElement.scrollWidth") <= width
+    labels = tab.run(
+        "[...document.querySelectorAll('#arrows label')].map((one) => "
+        "[one.textContent, one.control.disabled])"
+    )
+    told = dict(labels)
+    assert told["velocity (v, m/s)"] is False
+    assert told["constraint force (C, N)"] is False
+    assert told["gravity (G, N): bead.mass, gravity.x, gravity.y not recorded"] is True
+    tab.run("document.querySelector('#arrows label').control.click()")
+    assert tab.run("[...curvebound.arrows.shown].map(({ name }) => name)") == ["velocity"]
+    assert tab.errors == []
+
+
+def test_pictures_show_what_is_asked_for(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    image = pytest.importorskip("PIL.Image")
+    data = bead(1.0, 0.01)
+    plain = np.asarray(image.open(write_picture(data, tmp_path / "a.png")).convert("RGB"))
+    drawn = write_picture(data, tmp_path / "b.png", arrows="velocity,constraint force")
+    with_arrows = np.asarray(image.open(drawn).convert("RGB"))
+    from curvebound.view.stage import colour_of
+
+    for number in (6, 5):  # velocity, constraint force
+        colour = [int(colour_of(number)[i : i + 2], 16) for i in (1, 3, 5)]
+        close = [(np.abs(one.astype(int) - colour).max(axis=2) < 8).sum() for one in
+                 (plain, with_arrows)]  # fmt: skip
+        assert close[1] > close[0] + 60
+    with pytest.raises(CurveboundError, match="not recorded"):
+        write_picture(data, tmp_path / "c.png", arrows="gravity")
