@@ -216,9 +216,8 @@ def test_the_row_of_arrows_is_read_and_covers_nothing(
 def test_pictures_show_what_is_asked_for(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     image = pytest.importorskip("PIL.Image")
-    data = bead(1.0, 0.01)
     drawn = write_picture(bead(1.0, 0.02), tmp_path / "a.png", arrows="velocity,constraint force")
     picture = np.asarray(image.open(drawn).convert("RGB")).astype(int)
     for number, there in ((6, True), (5, True), (4, False)):  # the last is gravity
         colour = [int(colour_of(number)[i : i + 2], 16) for i in (1, 3, 5)]
-        assert ((np.abs(picture - colour).max(axis=2) < 8).sum() > 60) is there
+        assert ((np.abs(picture - colour).max(axis=2) < 8).sum() > 25) == there
