@@ -179,5 +179,8 @@ def test_a_package_writes_only_the_conversions_there_are(scene, tmp_path):
     assert (plain.get("endConnector"), list(plain)) == ("count_in", [])
     assert plain.get("suppressUnitConversion") is None
     assert changed.get("suppressUnitConversion") == "true"
+    connectors = top.iter(f"{{{NAMESPACES['ssd']}}}Connector")
+    units = {one.get("name"): typed.get("unit") for one in connectors for typed in one}
+    assert (units["u"], units["count"]) == ("m", None)
     (linear,) = changed
     assert (linear.get("factor"), linear.get("offset")) == ("1.05", "0.5")

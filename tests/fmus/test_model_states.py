@@ -302,3 +302,25 @@ def test_the_form_of_the_power_is_the_power(parabola_defaults: dict[str, float])
         z = (*state, 1.0)
         found = sum(form[i][j] * z[i] * z[j] for i in range(5) for j in range(5))
         assert found == pytest.approx(model.power(0.0, *state, model.a0, model.a1), rel=1e-13)
+
+
+def test_work_is_counted_where_anything_does_any(
+    kind: str, bead_defaults: dict[str, float], parabola_defaults: dict[str, float]
+) -> None:
+    """A single input, damping or changing coefficient, of size 1 too; at rest nothing does."""
+    factory, choices = KINDS[kind]
+    defaults = bead_defaults if factory is bead_on_wire else parabola_defaults
+
+    def works(given: dict[str, float], number: int | None = None) -> bool:
+        model = factory(choices)
+        model.start({**defaults, **given}, choices)
+        model.set_inputs([float(i == number) for i in range(len(model.INPUTS))], 0)
+        return bool(model.works)
+
+    assert not works({})
+    losses = [n for n in defaults if n.endswith((".damping", "rate_start")) and "u_rate" not in n]
+    for name in losses:
+        if name != "constraint.damping":
+            assert works({name: 1.0}), name
+    for number in range(len(factory(choices).INPUTS)):
+        assert works({}, number), number

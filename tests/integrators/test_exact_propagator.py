@@ -84,7 +84,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("h", [1e-3, 1.0, 10.0])
+@pytest.mark.parametrize("h", [1e-3, 1.0, pytest.param(10.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("case", CASES)
 def test_exponential_and_work_against_mpmath(case: str, h: float) -> None:
     a, c = pendulum_on_parabola(**CASES[case]), form()

@@ -134,7 +134,7 @@ class Trial:
         listed = self.copy / "tests.txt"
         listed.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
         arguments = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "interpreting",
-                     "--timeout=120", f"@{listed}"]  # fmt: skip
+                     "-m", "", "--timeout=120", f"@{listed}"]  # fmt: skip
         limit = 300.0 + 5.0 * sum(self.contexts.seconds[t] for t in tests)
         with tempfile.TemporaryFile() as log:
             child = os.fork()
@@ -191,6 +191,7 @@ def main() -> None:
                         help="where to keep what the tests run (build/mutation)")  # fmt: skip
     parser.add_argument("--tests", nargs="*", default=["tests"], metavar="PATH",
                         help="where to look for new tests (tests); none: nowhere")  # fmt: skip
+    parser.add_argument("--slow", action="store_true", help="look for new slow tests, too")
     chosen = parser.parse_args()
 
     scratch = Path(tempfile.mkdtemp(prefix="curvebound-mutation-"))
@@ -206,7 +207,7 @@ def campaign(chosen: argparse.Namespace, scratch: Path) -> None:
     folder = chosen.contexts.resolve()
     cache = folder / "cache"
     contexts = Contexts(folder, copy, cache)
-    contexts.collect(chosen.tests)
+    contexts.collect(chosen.tests, slow=chosen.slow)
     trial = Trial(copy, cache, contexts, chosen.budget)
     for module in ELSEWHERE:
         with contextlib.suppress(ImportError):

@@ -1,7 +1,7 @@
 """Which tests can see a line: collected once by running the tests under coverage, then kept.
 
-Only tests that are new since the last time are run. Where a source has changed since, the tests
-that ran any of it are taken.
+Only tests that are new since the last time are run, slow ones where that is wished. Where a source
+has changed since, the tests that ran any of it are taken.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import json
 import os
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -50,15 +51,19 @@ class Contexts:
         folder.mkdir(parents=True, exist_ok=True)
         self._data: dict[str, dict[int, list[str]]] = {}
 
-    def collect(self, paths: list[str]) -> None:
+    def collect(self, paths: list[str], *, slow: bool) -> None:
         """Run the tests in `paths` that are not known yet; forget those that are gone from there.
 
-        Raises CalledProcessError where the tests cannot be collected.
+        slow: those marked so as well, each up to the limit of watching.py. What is known stays
+        known where it is marked so later. Raises CalledProcessError where the tests cannot be
+        collected.
         """
         notes = self.folder / "tests.json"
         kept = json.loads(notes.read_text(encoding="utf-8")) if notes.is_file() else {}
-        there = self._there(paths) if paths else []
-        new = [test for test in there if test not in kept.get("seconds", {})]
+        there = self._there(paths, "") if paths else []
+        wished = there if slow or not paths else self._there(paths, "not slow")
+        known = {*kept.get("seconds", {}), *kept.get("left", {})}
+        new = [test for test in wished if test not in known]
         if new:
             print(f"{len(new)} of {len(there)} tests are not known yet: running them", flush=True)
             found = self._run(new)
@@ -74,9 +79,9 @@ class Contexts:
         self.hashes = kept["hashes"]
         self._read()
 
-    def _there(self, paths: list[str]) -> list[str]:
+    def _there(self, paths: list[str], marks: str) -> list[str]:
         command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider",
-                   *paths]  # fmt: skip
+                   "-m", marks, *paths]  # fmt: skip
         done = subprocess.run(
             command, cwd=self.copy, env=self.environment, capture_output=True, text=True, check=True
         )
@@ -91,7 +96,7 @@ class Contexts:
         watched = self.folder / "watched.json"
         command = [sys.executable, "-m", "coverage", "run", f"--rcfile={settings}", "-m", "pytest",
                    "-q", "-p", "watching", "-p", "interpreting", "-p", "no:cacheprovider",
-                   "-p", "no:xdist",
+                   "-p", "no:xdist", "-m", "",
                    "-o", "timeout=0", f"@{listed}"]  # fmt: skip
         environment = {**self.environment, "CAMPAIGN_WATCH": str(watched), "CAMPAIGN_TEST": ""}
         with (self.folder / "log.txt").open("w") as log:
@@ -123,7 +128,7 @@ class Contexts:
     def seen_by(self, file: str, line: int, text: str) -> tuple[list[str], list[str]]:
         """Tests that run the line of `file`, whose content is `text`, and those that may in an FMU.
 
-        Both with the quickest first.
+        Both with the quickest case of each test function first, then the second of each, and so on.
         """
         if file.endswith(".js"):
             return self._sorted(self.browser), []
@@ -143,7 +148,13 @@ class Contexts:
         return self._sorted(direct), self._sorted(inside)
 
     def _sorted(self, tests: Iterable[str]) -> list[str]:
-        return sorted((t for t in tests if t in self.seconds), key=lambda t: self.seconds[t])
+        place: dict[str, int] = {}
+        cases: Counter[str] = Counter()
+        for test in sorted((t for t in tests if t in self.seconds), key=self.seconds.__getitem__):
+            function = test.partition("[")[0]
+            place[test] = cases[function]
+            cases[function] += 1
+        return sorted(place, key=lambda t: (place[t], self.seconds[t]))
 
 
 def _hash(path: Path) -> str:

@@ -28,8 +28,12 @@ patch = subprocess
 disable_warnings = no-data-collected,module-not-imported,couldnt-parse
 """
 
+LONGEST = 60  # s that a slow test may take to be of use
+
 _fmus: dict[str, set[str]] = {}
 _seconds: dict[str, float] = {}
+#: tests that failed, were skipped or took too long
+_left: dict[str, str] = {}
 _browser: set[str] = set()
 
 
@@ -47,6 +51,13 @@ def pytest_configure() -> None:
     fmpy.fmi2.FMU2Slave.__init__ = _noting(fmpy.fmi2.FMU2Slave.__init__)  # type: ignore[method-assign]
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker(pytest.mark.timeout(LONGEST), append=False)
+
+
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     os.environ["CAMPAIGN_TEST"] = item.nodeid
@@ -61,11 +72,14 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     if report.when == "call" and report.passed:
         _seconds[report.nodeid] = report.duration
+    elif not report.passed:
+        _left[report.nodeid] = report.outcome
 
 
 def pytest_sessionfinish() -> None:
     found = {
         "seconds": _seconds,
+        "left": _left,
         "fmus": {test: sorted(names) for test, names in _fmus.items()},
         "browser": dict.fromkeys(sorted(_browser), True),
     }

@@ -40,7 +40,7 @@ def sizes(low: float, high: float, count: int = 5) -> list[float]:
     return [low * (high / low) ** (i / (count - 1)) for i in range(count)]
 
 
-@pytest.mark.parametrize("radius", [0.01, 0.5])
+@pytest.mark.parametrize("radius", [pytest.param(0.01, marks=pytest.mark.slow), 0.5])
 def test_small_swings_end_where_linear_theory_says(small_swing: Probe, radius: float) -> None:
     omega = math.sqrt(9.81 / radius)
     for method, y in (("rk4", 2.0 * math.sqrt(2.0)), ("semi_implicit_euler", 2.0)):

@@ -56,7 +56,7 @@ def short() -> Tuner:
     tuner.close()
 
 
-@pytest.mark.parametrize("bound", [1e-4, 1e-9])
+@pytest.mark.parametrize("bound", [pytest.param(1e-4, marks=pytest.mark.slow), 1e-9])
 def test_the_choice_meets_its_bound_from_fresh_starts(short: Tuner, bound: float) -> None:
     limits = dict.fromkeys(short.paths, bound)
     choice = short.tune(limits)
@@ -89,6 +89,7 @@ def test_a_budget_that_cannot_be_kept_is_said(short: Tuner) -> None:
     assert not choice.within_budget
 
 
+@pytest.mark.slow
 def test_continuous_control_asks_for_a_shorter_macro_step() -> None:
     """Held over 10 ms, the law is off by 4e-3 of what it would do all the time."""
     scene = load_scene("active_damping")
@@ -105,6 +106,7 @@ def test_continuous_control_asks_for_a_shorter_macro_step() -> None:
     assert max(v.worst for v in tight.chosen.verdicts.values()) <= 1e-3
 
 
+@pytest.mark.slow
 def test_tuning_keeps_its_promises_on_a_short_scene(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
