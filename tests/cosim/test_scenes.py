@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 
+from curvebound.cli import main
 from curvebound.cli import main as command_line
 from curvebound.cosim import load_scene, read_csv, scene_names
 from curvebound.cosim.command import summarize, summary
@@ -170,14 +171,15 @@ def test_enumerations_by_name_or_number():
         (["run", "pendulum_small", "--set", "plant.slider.mass=-1"], 1, "slider.mass"),
     ],
 )
-def test_command_line(arguments, status, words):
-    done = subprocess.run(
-        [sys.executable, "-m", "curvebound", *arguments],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == status, done.stderr
-    assert words in " ".join((done.stdout + done.stderr).split())
-    assert "Traceback" not in done.stderr
+def test_command_line(arguments, status, words, capsys):
+    try:
+        found = main(arguments)
+    except SystemExit as ended:  # by the parser
+        found = ended.code
+    said = capsys.readouterr()
+    assert found == status, said.err
+    assert words in " ".join((said.out + said.err).split())
+    assert "Traceback" not in said.err
 
 
 def test_variants_on_the_command_line(tmp_path):

@@ -197,11 +197,17 @@ def test_instantiation_that_fails_says_why(host, bead, name, guid, uri, word):
     assert word in result.messages[0][3] or "fmuResourceLocation" in result.messages[0][3]
 
 
+FOLDERS = ["plain", "a b", "100%", "a%20b", "häß ☃", "#1?x=y", "a+b&c;d", "file:"]
+FORMS = ["file:{0}", "file://{0}", "file://localhost{0}", "FILE://{0}/", "file://{1}", "{2}"]
+
+
 @pytest.mark.parametrize(
-    "folder", ["plain", "a b", "100%", "a%20b", "häß ☃", "#1?x=y", "a+b&c;d", "file:"]
-)
-@pytest.mark.parametrize(
-    "form", ["file:{0}", "file://{0}", "file://localhost{0}", "FILE://{0}/", "file://{1}", "{2}"]
+    ("folder", "form"),
+    [
+        pytest.param(folder, form, marks=() if i % len(FORMS) == j else pytest.mark.slow)
+        for i, folder in enumerate(FOLDERS)
+        for j, form in enumerate(FORMS)
+    ],
 )
 def test_resource_locations(host, bead, copy_of, folder, form):
     fmu = copy_of(bead, folder)

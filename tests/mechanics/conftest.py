@@ -25,7 +25,12 @@ FOLDERS = {
 DIGITS = 80
 
 
-@pytest.fixture(params=sorted(FOLDERS))
+@pytest.fixture(
+    params=[
+        pytest.param(name, marks=pytest.mark.slow) if name == "pendulum_on_sine" else name
+        for name in sorted(FOLDERS)
+    ]
+)
 def system(request: pytest.FixtureRequest) -> Derived:
     """Each system in turn."""
     return derive(FOLDERS[request.param] / "mechanics.py")

@@ -21,7 +21,6 @@ from curvebound.mechanics.derived import Derived
 from curvebound.mechanics.numeric import ManyDigits, extended
 from curvebound.study.stability.ranges import draw
 
-STATES = 2000
 DIGITS = 80
 CLOSE = 1e-12
 EPSILON = 2.3e-16
@@ -78,9 +77,10 @@ def weights(name: str, values: dict[str, Any]) -> tuple[float, float]:
     ],
     ids=lambda x: x if isinstance(x, str) else ",".join(f"{k}={v:g}" for k, v in x.items()),
 )
-def test_accelerations(name: str, fixed: dict[str, float]) -> None:
+@pytest.mark.parametrize("count", [300, pytest.param(2000, marks=pytest.mark.slow)])
+def test_accelerations(name: str, fixed: dict[str, float], count: int) -> None:
     system = derived_of(name)
-    for model, values, t in cases(name, STATES // 4 if fixed else STATES, **fixed):
+    for model, values, t in cases(name, count // 4 if fixed else count, **fixed):
         hand = acceleration_of(model, t, model.q0, model.q1, model.v0, model.v1)
         s = symbols(system, extended, model, values, t)
         found = system.function(prefix(values) + "accelerations")(extended, s)

@@ -59,9 +59,15 @@ def close(got: float, true: float, size: float) -> None:
     assert abs(got - true) <= CLOSE * size, (got, true, size)
 
 
+def counts(few: int, many: int) -> pytest.MarkDecorator:
+    """Parametrise `count`: states by default, and in the slow tests."""
+    return pytest.mark.parametrize("count", [few, pytest.param(many, marks=pytest.mark.slow)])
+
+
+@counts(100, 400)
 @pytest.mark.parametrize("name", NAMES)
-def test_start_power_slopes_and_energies(name: str) -> None:
-    for hand, mine, t in pairs(name, 400):
+def test_start_power_slopes_and_energies(name: str, count: int) -> None:
+    for hand, mine, t in pairs(name, count):
         for x, y in zip(state(mine), state(hand), strict=True):
             assert x == pytest.approx(y, rel=1e-15)
         s = state(hand)
@@ -87,9 +93,10 @@ def test_start_power_slopes_and_energies(name: str) -> None:
         assert found == pytest.approx(power, rel=1e-9, abs=1e-300)
 
 
+@counts(50, 200)
 @pytest.mark.parametrize("name", NAMES)
-def test_outputs(name: str) -> None:
-    for hand, mine, _ in pairs(name, 200):
+def test_outputs(name: str, count: int) -> None:
+    for hand, mine, _ in pairs(name, count):
         assert set(mine.OUTPUTS) == set(hand.OUTPUTS)
         found = []
         for model in (hand, mine):
@@ -110,10 +117,11 @@ def test_outputs(name: str) -> None:
             assert abs(found[1][output] - y) <= 1e-9 * size, (output, found[1][output], y)
 
 
+@counts(50, 1000)
 @pytest.mark.parametrize("name", NAMES)
-def test_changes_of_outputs_with_inputs(name: str) -> None:
+def test_changes_of_outputs_with_inputs(name: str, count: int) -> None:
     rng = random.Random(3)
-    for hand, mine, _ in pairs(name, 1000):
+    for hand, mine, _ in pairs(name, count):
         seeds = {n: rng.uniform(-1.0, 1.0) for n in hand.INPUTS}
         found = []
         for model in (hand, mine):
