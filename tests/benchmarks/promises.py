@@ -168,9 +168,9 @@ class _Grid:
         self._tried: dict[tuple[str, float, int], Candidate] = {}
 
     def _families(self, quick: bool) -> list[Family]:
-        step, algorithm = self.tuner.step, self.tuner.scene.algorithm
+        scene, step = self.tuner.scene, self.tuner.step
         families = []
-        for family in self.tuner.space.families(step, algorithm):
+        for family in self.tuner.space.families(step, scene.algorithm, scene.hold):
             if family.method == "exact":
                 families.append(Family("micro", (family,)))
                 continue

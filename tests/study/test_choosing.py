@@ -15,10 +15,11 @@ import pytest
 from benchmarks.promises import MOST
 from scipy.stats import t as student
 
-from curvebound.cosim import load_scene
+from curvebound.cosim import Scene, load_scene
+from curvebound.study.grid import couplings
 from curvebound.study.reference.reference import Reference
 from curvebound.study.reference.reference_set import judge
-from curvebound.study.settings import Setting
+from curvebound.study.settings import Setting, space_of
 from curvebound.study.tune.candidate import Candidate
 from curvebound.study.tune.ensemble import Ensemble
 from curvebound.study.tune.step_search import coarser, search_size
@@ -317,7 +318,7 @@ def test_a_macro_step_follows_from_the_order_of_the_algorithm(
 
         def law(setting: Setting) -> tuple[float, float]:
             p = 2 if setting.algorithm == "strang" else 1
-            dear = setting.algorithm != algorithm
+            dear = setting.algorithm != algorithm or setting.hold != "zero"
             miss = 100.0 * (setting.step / scene.step) ** p
             return miss, (1.0 if dear else 1e-5) * scene.step / setting.step
 
@@ -331,6 +332,53 @@ def test_a_macro_step_follows_from_the_order_of_the_algorithm(
     assert macro.step == pytest.approx(scene.step / math.ceil(scene.step / wanted))
     mine = [c for c in tried if c.setting.algorithm == algorithm]
     assert len(mine) == 2
+
+
+def pushed(**settings: Any) -> Scene:
+    """A bead whose wire a smooth function moves."""
+    scene = Scene("pushed", stop_time=1.0, step=0.1, **settings)
+    start = {"model.formulation": "angle", "bead.angle_start": 0.3}
+    scene.add("bead", "BeadOnWire", start)
+    scene.input("bead.wire.ax", lambda t: 3.0 * math.sin(4.0 * t))
+    return scene.record("bead.bead.angle")
+
+
+@pytest.mark.parametrize(("stable", "hold"), [(True, "first"), (False, "zero")])
+@pytest.mark.parametrize("own", ["zero", "first"])
+def test_a_hold_is_chosen_by_what_it_comes_to(
+    monkeypatch: pytest.MonkeyPatch, own: str, stable: bool, hold: str
+) -> None:
+    """10 times the bound with values held, a tenth with slopes, unless they make it unstable."""
+    tuner = Tuner(pushed(hold=own), ["bead.bead.angle"], continuous=True, starts=4)
+    try:
+
+        def law(setting: Setting) -> tuple[float, float]:
+            first = setting.hold == "first"
+            size = setting.step / 0.1
+            miss = 10.0 * size if not first else 0.1 * size**2 if stable else math.inf
+            return miss, 1e-5 / size
+
+        obeying(tuner, monkeypatch, law)
+        macro = tuner._macro({"bead.bead.angle": 1e-3}, [], lambda _: None)
+        families = tuner._families(macro)
+    finally:
+        tuner.close()
+    assert macro.hold == hold
+    assert macro.step == pytest.approx(0.1 if hold == "first" else 0.1 / 29)
+    assert {f.hold for f in families} == {hold}
+
+
+def test_scenes_without_slopes_have_no_hold_to_choose() -> None:
+    for name, held, sloped in (
+        ("active_damping", 3, 0),  # a law gives no rates
+        ("pendulum_large", 1, 0),
+        ("shaken_wire", 1, 1),
+    ):
+        scene = load_scene(name)
+        found = couplings(scene, space_of(scene.check()))
+        assert found[0] == (scene.algorithm, scene.hold)
+        assert [hold for _, hold in found].count("zero") == held, name
+        assert [hold for _, hold in found].count("first") == sloped, name
 
 
 @pytest.mark.parametrize(("share", "runs"), [(1.01, 2), (0.99, 1)])

@@ -10,6 +10,7 @@ import pytest
 from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
 from curvebound.study.grid import grid
+from curvebound.study.identity import identity
 from curvebound.study.precision.lessons import order_of
 from curvebound.study.precision.study import Study
 from curvebound.study.settings import space_of
@@ -71,6 +72,44 @@ def test_the_choice_meets_its_bound_from_fresh_starts(short: Tuner, bound: float
         outcome = short.runner.glance(choice.chosen.setting, start)
         verdicts = checks.errors(outcome.times, outcome.outputs, member=member, least=limits)
         assert max(v.worst for v in verdicts.values()) <= bound
+
+
+def test_a_smooth_drive_is_tuned_to_slopes(tmp_path: Path) -> None:
+    """Chosen, written into the script, and the bound met by it against continuous action."""
+    script = tmp_path / "pushed.py"
+    script.write_text(
+        "import math\nfrom curvebound.cosim import Scene\n"
+        'scene = Scene("pushed", stop_time=2.0, step=0.02)\n'
+        'scene.add("bead", "BeadOnWire", {"bead.angle_start": 0.3})\n'
+        'scene.input("bead.wire.ax", lambda t: 3.0 * math.sin(4.0 * t))\n'
+        'scene.record("bead.bead.angle")\n',
+        encoding="utf-8",
+    )
+    scene = load_scene(script)
+    path, bound = "bead.bead.angle", 1e-5
+    tuner = Tuner(scene, [path], continuous=True, starts=3)
+    try:
+        choice = tuner.tune({path: bound})
+        assert choice.chosen is not None
+        setting = choice.chosen.setting
+        assert setting.hold == "first"
+        put_choice(script, choice_block(scene, tuner.space, setting, []))
+        assert 'scene.set("hold", "first")' in script.read_text(encoding="utf-8")
+        chosen = load_scene(script)
+        result = chosen.run()
+        true = tuner.references.values(tuner.space.best_model, result.time)[path][:, 0]
+        assert np.max(np.abs(result[path] - true)) <= bound
+        chosen.hold = "zero"
+        assert np.max(np.abs(chosen.run()[path] - true)) > 10.0 * bound
+    finally:
+        tuner.close()
+
+
+def test_what_a_hold_changes_is_another_result() -> None:
+    scene = load_scene("shaken_wire")
+    before = identity(scene.check())
+    scene.hold = "first"
+    assert identity(scene.check()) != before
 
 
 def test_where_nothing_fits_it_says_by_how_much(

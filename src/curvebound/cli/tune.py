@@ -161,6 +161,7 @@ def _as_data(scene: Any, bounds: dict[str, float], choice: Any) -> dict[str, Any
         "setting": _setting(best),
         "step": best.setting.step,
         "algorithm": best.setting.algorithm,
+        "hold": best.setting.hold,
         "cpu_per_second": best.cpu,
         "errors": {path: verdict.worst for path, verdict in best.verdicts.items()},
         "sure": choice.sure,
@@ -220,5 +221,5 @@ def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | No
 def _setting(candidate: Any) -> str:
     setting = candidate.setting
     return f"{setting.label}, macro step {setting.step:.3g} s" + (
-        "" if setting.algorithm == "gauss_seidel" else f", {setting.algorithm}"
+        "" if setting.coupling == "gauss_seidel" else f", {setting.coupling}"
     )

@@ -273,7 +273,11 @@ class _Writer:
                 return node.id
             home, original, _ = self.home(node.id)
             if home is not None and original in home.aliases:
-                return self.c_type(home.aliases[original])
+                here, self.module = self.module, home  # where the names in it mean something
+                try:
+                    return self.c_type(home.aliases[original])
+                finally:
+                    self.module = here
             found = self.resolve(node.id)
             return str(found[1]) if found and self.is_class(found[1]) else "object"
         if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name):

@@ -17,12 +17,41 @@ from typing import Any
 from .exchange import Call, Exchange
 from .instance import Instance
 from .signals import Signal, value_of
-from .system import Port, System, path_of
+from .system import Link, Port, System, path_of
 
-__all__ = ["Slopes"]
+__all__ = ["Slopes", "has_slopes"]
 
 #: of a step before its end, at which a function is asked for the value at the end
 EARLY = 1e-6
+
+
+def takes_slope(system: System, target: Port) -> bool:
+    """Whether an input may be linear in time."""
+    variable = system.variable(target)
+    return (
+        variable.kind == "Real"
+        and variable.causality == "input"
+        and system.nodes[target[0]].fmu.takes_slopes
+    )
+
+
+def is_sloped(system: System, link: Link) -> bool:
+    """Whether source and target of a connection can do what `hold` = first asks."""
+    variable = system.variable(link.source)
+    return (
+        not link.mapping
+        and variable.kind == "Real"
+        and variable.variability == "continuous"
+        and system.nodes[link.source[0]].fmu.gives_rates
+        and takes_slope(system, link.target)
+    )
+
+
+def has_slopes(system: System) -> bool:
+    """Whether any input of a scene can be linear in time: whether `hold` = first is a choice."""
+    return any(takes_slope(system, target) for target in system.signals) or any(
+        is_sloped(system, link) for link in system.links
+    )
 
 
 class Slopes:
@@ -32,22 +61,6 @@ class Slopes:
         self.system = system
         self.exchange = exchange
         self.instances = instances
-
-    def _takes(self, target: Port) -> bool:
-        variable = self.system.variable(target)
-        return (
-            variable.kind == "Real"
-            and variable.causality == "input"
-            and self.system.nodes[target[0]].fmu.takes_slopes
-        )
-
-    def _gives(self, source: Port) -> bool:
-        variable = self.system.variable(source)
-        return (
-            variable.kind == "Real"
-            and variable.variability == "continuous"
-            and self.system.nodes[source[0]].fmu.gives_rates
-        )
 
     def calls(
         self, names: Sequence[str], time: c_double, size: c_double, handed_on: Iterable[Port]
@@ -61,11 +74,7 @@ class Slopes:
         links = [
             link
             for link in self.system.links
-            if link.target[0] in names
-            and link.target not in held
-            and not link.mapping
-            and self._takes(link.target)
-            and self._gives(link.source)
+            if link.target[0] in names and link.target not in held and is_sloped(self.system, link)
         ]
         reads: list[Call] = []
         places: dict[Port, tuple[Any, int]] = {}
@@ -78,7 +87,7 @@ class Slopes:
         for name in names:
             joined = [link for link in links if link.target[0] == name]
             signals = [(p, f) for p, f in self.system.signals.items() if p[0] == name]
-            signals = [(p, f) for p, f in signals if self._takes(p)]
+            signals = [(p, f) for p, f in signals if takes_slope(self.system, p)]
             if joined or signals:
                 targets = [p for p, _ in signals] + [link.target for link in joined]
                 slopes = (c_double * len(targets))()
@@ -121,17 +130,17 @@ class Slopes:
         """
         values = memoryview(self.exchange.reals)  # type: ignore[arg-type]
 
-        def set_slopes() -> int:
-            k = 0
-            if signals:
+        numbered = [(k, *known) for k, known in enumerate(signals)]
+
+        def set_slopes() -> Any:
+            if numbered:
                 ahead = size.value * (1.0 - EARLY)
                 end = time.value + ahead
-                for function, path, place in signals:
+                for k, function, path, place in numbered:
                     slopes[k] = (value_of(function, path, end) - values[place]) / ahead
-                    k += 1
             for k, rates, i, factor in copies:
                 slopes[k] = factor * rates[i]
-            return int(call())
+            return call()
 
         self.exchange.register(set_slopes, *self.exchange.origin(call))
         return set_slopes

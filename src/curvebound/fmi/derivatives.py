@@ -44,8 +44,8 @@ class DerivativeEngine(Engine):
                     f"order = {order} of the derivative of {table.names[vr]} cannot be used: "
                     "inputs are linear in time at most, give the derivative of order 1"
                 )
-            else:
-                self.slopes[vr - table.first_input] = values[i]
+            elif vr - self.first_input < self.input_count:
+                self.slopes[vr - self.first_input] = values[i]
                 self.sloped = True
 
     def get_real_output_derivatives(self, vrs: list[int], orders: list[int]) -> list[float]:

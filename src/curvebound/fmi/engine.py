@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from ..kernel.base import MOST_INPUTS, Inputs
 from .table import (
     CHOICE,
     COUNT_PARAMETER,
@@ -73,9 +74,14 @@ class Engine:
         self.end: float = math.inf
         self.reals: list[float] = table.starts[:]
         self.integers: list[int] = [int(x) for x in table.starts]
+        self.first_input: int = table.first_input
+        self.input_count: int = min(table.first_output - table.first_input, MOST_INPUTS)
         #: of the inputs, 1/s, over the next step; and whether there is any
-        self.slopes: list[float] = [0.0] * (table.first_output - table.first_input)
+        self.slopes: Inputs = [0.0] * MOST_INPUTS
         self.sloped: bool = False
+        #: inputs and slopes at the start of a step
+        self.kept_inputs: Inputs = [0.0] * MOST_INPUTS
+        self.kept_slopes: Inputs = [0.0] * MOST_INPUTS
         #: whether inputs or tunable parameters wait to be taken over by the system
         self.pending: bool = True
         #: whether parameters have changed since the system was started from them
@@ -419,28 +425,38 @@ class Engine:
             "use the value references of modelDescription.xml"
         )
 
-    def bad_slope(self, step_size: float) -> str:
-        """The message for a slope that cannot be used over a step of `step_size` s, or ''."""
-        first = self.table.first_input
-        for i in range(len(self.slopes)):
-            slope: float = self.slopes[i]
-            x: float = self.reals[first + i]
-            if not abs(x + slope * step_size) <= LARGEST or not abs(slope) <= LARGEST:
-                return (
-                    f"{self.value(first + i)} cannot be used with its derivative {slope!r} per s "
-                    f"over a communication step of {step_size!r} s: set finite numbers with "
-                    f"which the input stays at most {LARGEST!r} in size"
-                )
+    def begin_slopes(self, step_size: float) -> str:
+        """Remember inputs and slopes; the message for one that cannot be used, or ''."""
+        for i in range(self.input_count):
+            slope = self.slopes[i]
+            self.kept_slopes[i] = slope
+            if slope != 0.0:
+                x: float = self.reals[self.first_input + i]
+                self.kept_inputs[i] = x
+                if not abs(x + slope * step_size) <= LARGEST or not abs(slope) <= LARGEST:
+                    return (
+                        f"{self.value(self.first_input + i)} cannot be used with its derivative "
+                        f"{slope!r} per s over a communication step of {step_size!r} s: set finite "
+                        f"numbers with which the input stays at most {LARGEST!r} in size"
+                    )
         return ""
 
     def end_slopes(self, step_size: float) -> None:
         """Leave the inputs where their slopes have brought them."""
-        first = self.table.first_input
-        slopes = self.slopes
-        self.slopes = [0.0] * len(slopes)
         self.sloped = False
-        for i in range(len(slopes)):
-            self.reals[first + i] += slopes[i] * step_size
+        for i in range(self.input_count):
+            slope = self.slopes[i]
+            if slope != 0.0:
+                self.reals[self.first_input + i] = self.kept_inputs[i] + slope * step_size
+                self.slopes[i] = 0.0
+
+    def restore_slopes(self) -> None:
+        """Undo end_slopes()."""
+        self.sloped = True
+        for i in range(self.input_count):
+            self.slopes[i] = self.kept_slopes[i]
+            if self.slopes[i] != 0.0:
+                self.reals[self.first_input + i] = self.kept_inputs[i]
 
     def ready(self) -> bool:
         """Bring the system up to date with parameters and inputs; whether that is possible."""
@@ -506,13 +522,11 @@ class Engine:
                 return self.fail(message)
             self.take_inputs()
             self.pending = False
-        slopes = self.slopes
-        reals = self.reals
-        if self.sloped:
-            message = self.bad_slope(step_size)
+        sloped = self.sloped
+        if sloped:
+            message = self.begin_slopes(step_size)
             if message:
                 return self.fail(message)
-            self.reals = reals[:]
         self.kept = False
         try:
             message = self.advance(step_size)
@@ -520,14 +534,12 @@ class Engine:
                 return self.fail(message)
             self.time = end
             self.fresh = 0
-            if self.sloped:
+            if sloped:
                 self.end_slopes(step_size)
             self.look(False)
         except BaseException:  # an interrupt: there has been no step
-            if slopes is not self.slopes:
-                self.reals = reals
-                self.slopes = slopes
-                self.sloped = True
+            if sloped:
+                self.restore_slopes()
             if self.kept:
                 self.undo()
             self.time = now
@@ -548,7 +560,7 @@ class Engine:
         ]
         state = [head, self.reals[: table.first_output]]
         state.append([float(i) for i in self.integers[: table.first_input]])
-        state.append(self.slopes)
+        state.append([self.slopes[i] for i in range(self.input_count)])
         if self.mode != INSTANTIATED:
             state.extend(self.system_state())
         return state
@@ -573,10 +585,10 @@ class Engine:
         self.tolerance = head[3]
         self.reals[: table.first_output] = state[1]
         self.integers[: table.first_input] = integers
-        self.slopes = state[3][:]
         self.sloped = False
-        for slope in self.slopes:
-            self.sloped = self.sloped or slope != 0.0
+        for i in range(self.input_count):
+            self.slopes[i] = state[3][i]
+            self.sloped = self.sloped or self.slopes[i] != 0.0
         # Parameters set during initialization may have made a start impossible: then there is no
         # system to restore either, and the end of initialization will say so.
         if mode != INSTANTIATED and (same or not self.start(restoring=True)):

@@ -38,10 +38,10 @@ class Ramp(Model):
         self.systems: list[Rows] = []
         self.forms: list[Rows] = []
 
-    def begin(self, model: Model, slopes: list[float], duration: float) -> None:
+    def begin(self, model: Model, slopes: Inputs, duration: float) -> None:
         """Take a model, its keep() called, for `duration` s with inputs that rise by `slopes`."""
         self.model = model
-        self.input_count = len(slopes)
+        self.input_count = model.input_count
         for i in range(self.input_count):
             self.first[i] = model.inputs[i]
             model.slopes[i] = slopes[i]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from .base import Model
+from .base import Inputs, Model
 from .ramp import Ramp
 
 __all__ = ["output_rates"]
@@ -15,7 +15,7 @@ PART: Final = 1e-5
 LONGEST: Final = 1.0
 
 
-def output_rates(model: Model, ramp: Ramp, slopes: list[float]) -> list[float]:
+def output_rates(model: Model, ramp: Ramp, slopes: Inputs) -> list[float]:
     """Time derivatives of all outputs at the present state, while inputs rise by `slopes`.
 
     By differences along the motion: right to about 1e-9 of the natural size of each, but for the
@@ -23,7 +23,7 @@ def output_rates(model: Model, ramp: Ramp, slopes: list[float]) -> list[float]:
     """
     count = len(model.OUTPUTS)
     groups = max(model.OUTPUTS.values()) + 1
-    inputs = [model.inputs[i] for i in range(len(slopes))]
+    inputs = [model.inputs[i] for i in range(model.input_count)]
     model.keep()
     q0, q1, v0, v1, work = model.q0, model.q1, model.v0, model.v1, model.work
     model.acceleration(0.0, q0, q1, v0, v1)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from ..cosim.slopes import has_slopes
 from .settings import Setting, Space
 
 if TYPE_CHECKING:
     from ..cosim.scene import Scene
 
-__all__ = ["Family", "algorithms", "divisions", "grid", "is_sampled", "tolerances"]
+__all__ = ["Family", "couplings", "divisions", "grid", "is_sampled", "tolerances"]
 
 
 @dataclass(frozen=True)
@@ -44,24 +46,26 @@ def tolerances(quick: bool) -> list[float]:
     return [10.0**-n for n in (range(2, 15, 3) if quick else range(2, 15))]
 
 
-def algorithms(scene: Scene) -> list[str]:
-    """The algorithms under which the scene holds together, its own first, but for rollback."""
-    from ..cosim.scene_parts import ALGORITHMS
+def couplings(scene: Scene, space: Space) -> list[tuple[str, str]]:
+    """Algorithms with holds that go with the scene, its own first, but for rollback."""
+    from ..cosim.scene_parts import ALGORITHMS, HOLDS
     from ..errors import CurveboundError
 
-    if len(scene.components) == 1:
-        return [scene.algorithm]
-    found = [scene.algorithm]
-    for name in ALGORITHMS:
-        if name in (scene.algorithm, "midpoint"):
+    own = scene.algorithm, scene.hold
+    found = [own]
+    names = ALGORITHMS if len(scene.components) > 1 else (scene.algorithm,)
+    for name, hold in itertools.product(names, HOLDS):
+        if (name, hold) == own or name == "midpoint":
+            continue
+        if hold == "first" and not has_slopes(space.system):
             continue
         other = scene.copy()
-        other.algorithm, other.adaptive = name, None
+        other.algorithm, other.hold, other.adaptive = name, hold, None
         try:
             other.check()
         except CurveboundError:
             continue
-        found.append(name)
+        found.append((name, hold))
     return found
 
 
@@ -78,14 +82,13 @@ def grid(scene: Scene, space: Space, *, quick: bool = False) -> Iterator[Family]
     """Families of settings: micro steps and tolerances at some macro steps, then macro steps.
 
     Where values are held over the macro step, it is studied on its own, with all algorithms and
-    an integration whose error does not count.
+    holds, and an integration whose error does not count.
     """
     sampled = is_sampled(scene, space)
-    own = scene.algorithm
     bases = [scene.step] if sampled else [scene.step, *macro_steps(scene, sampled, quick)]
     span = scene.stop_time - scene.start_time
     for step in bases:
-        for family in space.families(step, own):
+        for family in space.families(step, scene.algorithm, scene.hold):
             if family.method == "exact":
                 whole = [] if sampled or step != bases[0] else [replace(family, step=span)]
                 yield Family("micro", (family, *whole))
@@ -94,12 +97,12 @@ def grid(scene: Scene, space: Space, *, quick: bool = False) -> Iterator[Family]
             sizes = sizes or [step / n for n in divisions(quick)]
             yield Family("micro", tuple(family.with_size(size) for size in sizes))
     if sampled:
-        for algorithm in algorithms(scene):
+        for algorithm, hold in couplings(scene, space):
             steps = sorted([scene.step, *macro_steps(scene, sampled, quick)], reverse=True)
             yield Family(
                 "macro",
                 tuple(
-                    Setting(space.structures[0], "adaptive", 1e-12, step, algorithm)
+                    Setting(space.structures[0], "adaptive", 1e-12, step, algorithm, hold)
                     for step in steps
                 ),
             )

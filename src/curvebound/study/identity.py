@@ -19,7 +19,7 @@ __all__ = ["described", "identity"]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _SETTINGS = (
-    *("start_time", "stop_time", "step", "algorithm", "tolerance", "loop_tolerance"),
+    *("start_time", "stop_time", "step", "algorithm", "hold", "tolerance", "loop_tolerance"),
     "record_every",
 )
 

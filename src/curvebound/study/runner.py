@@ -70,7 +70,7 @@ class Runner:
             for name, node in nodes.items()
             if variable in node.fmu.variables
         ]
-        self._prepared: dict[tuple[str, bool], Prepared] = {}
+        self._prepared: dict[tuple[str, str, bool], Prepared] = {}
 
     def __enter__(self) -> Runner:
         return self
@@ -86,12 +86,12 @@ class Runner:
                 prepared.close()
         self._prepared.clear()
 
-    def _ready(self, algorithm: str, measured: bool) -> Prepared:
+    def _ready(self, setting: Setting, measured: bool) -> Prepared:
         """measured: with the live measures recorded; without, as a user would run it."""
-        key = (algorithm, measured)
+        key = (setting.algorithm, setting.hold, measured)
         if key not in self._prepared:
             scene = self.scene.copy()
-            scene.algorithm = algorithm
+            scene.algorithm, scene.hold = setting.algorithm, setting.hold
             scene.recorded = [*self.paths, *(self._extras if measured else [])]
             scene.needs.errors = {}
             self._prepared[key] = Prepared(scene)
@@ -108,7 +108,7 @@ class Runner:
     def _run(
         self, setting: Setting, start: Mapping[str, Value] | None, *, measured: bool
     ) -> Outcome:
-        prepared = self._ready(setting.algorithm, measured)
+        prepared = self._ready(setting, measured)
         values = {**(start or {}), **self.space.start(setting)}
         points = count_steps(0.0, self.span, setting.step)[0]
         prepared.scene.record_every = max(1, math.ceil(points / _KEPT))
@@ -141,7 +141,7 @@ class Runner:
 
     def costs(self, setting: Setting, start: Mapping[str, Value] | None = None) -> list[float]:
         """CPU time per simulated second of some runs, set-up excluded: how much they differ."""
-        prepared = self._ready(setting.algorithm, False)
+        prepared = self._ready(setting, False)
         values = {**(start or {}), **self.space.start(setting)}
         prepared.scene.record_every = 1
         tiny = 1e-9 * self.span

@@ -36,7 +36,7 @@ class Setting:
     structure: enumeration items by path, of every component that integrates.
     method: item of solver.method; size: solver.step in s, or solver.tolerance of `adaptive`, None
         for `exact`, which has neither.
-    step: macro step in s; algorithm: as in a scene.
+    step: macro step in s; algorithm, hold: as in a scene.
     """
 
     structure: tuple[tuple[str, str], ...]
@@ -44,6 +44,7 @@ class Setting:
     size: float | None
     step: float
     algorithm: str
+    hold: str = "zero"
 
     @property
     def by_tolerance(self) -> bool:
@@ -54,7 +55,12 @@ class Setting:
     def key(self) -> str:
         """All of it as one word, the same in every process."""
         items = "/".join(f"{path}={item}" for path, item in self.structure)
-        return f"{items}|{self.method}|{self.size!r}|{self.step!r}|{self.algorithm}"
+        return f"{items}|{self.method}|{self.size!r}|{self.step!r}|{self.coupling}"
+
+    @property
+    def coupling(self) -> str:
+        """How values go from one component to another, in words."""
+        return self.algorithm + (", hold first" if self.hold == "first" else "")
 
     @property
     def form(self) -> str:
@@ -131,10 +137,10 @@ class Space:
         """Whether the setting computes a simpler model."""
         return self.approximate[self.structures.index(setting.structure)]
 
-    def families(self, step: float, algorithm: str) -> list[Setting]:
+    def families(self, step: float, algorithm: str, hold: str = "zero") -> list[Setting]:
         """Every structure with every method, without size."""
         return [
-            Setting(structure, method, None, step, algorithm)
+            Setting(structure, method, None, step, algorithm, hold)
             for structure, exact in zip(self.structures, self.exact, strict=True)
             for method in [*self.methods, *(["exact"] if exact else [])]
         ]

@@ -10,14 +10,6 @@
 #include "platform.h"
 #include "slave.h"
 
-static bool offered(Instance *i, const char *method)
-{
-    void *found = py.PyObject_GetAttrString(i->slave.object, method);
-    py.PyErr_Clear();
-    py.Py_DecRef(found);
-    return found;
-}
-
 static void *list_of_orders(const fmi2Integer order[], size_t n)
 {
     void *list = py.PyList_New((ptrdiff_t)n);
@@ -32,8 +24,8 @@ static void *list_of_orders(const fmi2Integer order[], size_t n)
     return list;
 }
 
-/* Call `method` with lists, which are given up, and take `n` numbers from its result, if any. */
-static fmi2Status call(Instance *i, const char *function, int gil, const char *method, void *lists[3],
+/* Call a method with lists, which are given up, and take `n` numbers from its result, if any. */
+static fmi2Status call(Instance *i, const char *function, int gil, OfDerivatives method, void *lists[3],
                        int count, size_t n, fmi2Real value[])
 {
     void *result = NULL;
@@ -41,7 +33,8 @@ static fmi2Status call(Instance *i, const char *function, int gil, const char *m
     for (int k = 0; k < count; k++)
         complete = complete && lists[k];
     if (complete)
-        result = call_method(i->slave.object, method, lists[0], lists[1], lists[2]);
+        result = py.PyObject_CallFunctionObjArgs(i->slave.of_derivatives[method], lists[0], lists[1],
+                                                 lists[2], NULL);
     bool taken = result && (!value || take_reals(result, n, value));
     for (int k = 0; k < count; k++)
         py.Py_DecRef(lists[k]);
@@ -50,21 +43,19 @@ static fmi2Status call(Instance *i, const char *function, int gil, const char *m
 }
 
 /* Begin a call; NULL, with a message, where it ends before the slave is asked. */
-static Slot *begin_call(fmi2Component c, const char *function, int phases, const char *method,
+static Slot *begin_call(fmi2Component c, const char *function, int phases, OfDerivatives method,
                         bool complete, int *gil)
 {
     Slot *slot = begin(c, function, phases);
     if (!slot)
         return NULL;
     Instance *i = slot->object;
-    if (!complete) {
+    if (!complete)
         refuse(i, "%s: an argument is NULL, or there are more than a million", function);
-    } else if (enter_python(i, function, gil)) {
-        if (offered(i, method))
-            return slot;
-        py.PyGILState_Release(*gil);
+    else if (!i->slave.of_derivatives[method])
         refuse(i, "%s: not offered by this FMU, as its modelDescription.xml says", function);
-    }
+    else if (enter_python(i, function, gil))
+        return slot;
     release(slot);
     return NULL;
 }
@@ -77,38 +68,38 @@ static bool given(size_t n, const void *a, const void *b, const void *c)
 EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                               const fmi2Integer order[], const fmi2Real value[])
 {
-    const char *const function = "fmi2SetRealInputDerivatives", *method = "set_real_input_derivatives";
+    const char *const function = "fmi2SetRealInputDerivatives";
     int gil;
-    Slot *slot = begin_call(c, function, SETTING, method, given(n, vr, order, value), &gil);
+    Slot *slot = begin_call(c, function, SETTING, SLOPES, given(n, vr, order, value), &gil);
     if (!slot)
         return fmi2Error;
     void *lists[] = {list_of_references(vr, n), list_of_orders(order, n), list_of_reals(value, n)};
-    return finish(slot, call(slot->object, function, gil, method, lists, 3, 0, NULL));
+    return finish(slot, call(slot->object, function, gil, SLOPES, lists, 3, 0, NULL));
 }
 
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                                const fmi2Integer order[], fmi2Real value[])
 {
-    const char *const function = "fmi2GetRealOutputDerivatives", *method = "get_real_output_derivatives";
+    const char *const function = "fmi2GetRealOutputDerivatives";
     int gil;
-    Slot *slot = begin_call(c, function, GETTING, method, given(n, vr, order, value), &gil);
+    Slot *slot = begin_call(c, function, GETTING, RATES, given(n, vr, order, value), &gil);
     if (!slot)
         return fmi2Error;
     void *lists[] = {list_of_references(vr, n), list_of_orders(order, n), NULL};
-    return done(slot, call(slot->object, function, gil, method, lists, 2, n, value));
+    return done(slot, call(slot->object, function, gil, RATES, lists, 2, n, value));
 }
 
 EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],
                                                size_t n_unknowns, const fmi2ValueReference knowns[],
                                                size_t n_knowns, const fmi2Real seed[], fmi2Real result[])
 {
-    const char *const function = "fmi2GetDirectionalDerivative", *method = "get_directional_derivative";
+    const char *const function = "fmi2GetDirectionalDerivative";
     bool complete = given(n_unknowns, unknowns, unknowns, result) && given(n_knowns, knowns, knowns, seed);
     int gil;
-    Slot *slot = begin_call(c, function, GETTING, method, complete, &gil);
+    Slot *slot = begin_call(c, function, GETTING, CHANGES, complete, &gil);
     if (!slot)
         return fmi2Error;
     void *lists[] = {list_of_references(unknowns, n_unknowns), list_of_references(knowns, n_knowns),
                      list_of_reals(seed, n_knowns)};
-    return done(slot, call(slot->object, function, gil, method, lists, 3, n_unknowns, result));
+    return done(slot, call(slot->object, function, gil, CHANGES, lists, 3, n_unknowns, result));
 }

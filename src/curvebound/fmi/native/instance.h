@@ -33,12 +33,16 @@ typedef struct {
     int32_t unused;
 } Progress;
 
+/* The methods about derivatives. */
+typedef enum { SLOPES, RATES, CHANGES } OfDerivatives;
+
 /* The Python object of an instance, and what of it every step needs. */
 typedef struct {
     void *object;
     void *do_step;
     void *get_real;
     void *set_real;
+    void *of_derivatives[3]; /* by OfDerivatives; NULL for what it does not offer */
     void *queue;  /* list of the messages that wait to be logged */
 } Slave;
 

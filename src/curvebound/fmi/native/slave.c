@@ -71,6 +71,8 @@ static void *find_class(const char *module)
 static void drop(Slave *slave)
 {
     void *all[] = {slave->object, slave->do_step, slave->get_real, slave->set_real, slave->queue};
+    for (int k = SLOPES; k <= CHANGES; k++)
+        py.Py_DecRef(slave->of_derivatives[k]);
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         py.Py_DecRef(all[k]);
     *slave = (Slave){0};
@@ -105,9 +107,17 @@ static bool make(Instance *i, Slave *slave)
                (slave->set_real = py.PyObject_GetAttrString(slave->object, "set_real")) &&
                (slave->queue = call_method(slave->object, "_get_log_queue", NULL, NULL, NULL)) &&
                py.PyList_Size(slave->queue) >= 0;
-    if (!complete)
+    if (!complete) {
         drop(slave);
-    return complete;
+        return false;
+    }
+    const char *const names[] = {"set_real_input_derivatives", "get_real_output_derivatives",
+                                 "get_directional_derivative"};
+    for (int k = SLOPES; k <= CHANGES; k++) {
+        slave->of_derivatives[k] = py.PyObject_GetAttrString(slave->object, names[k]);
+        py.PyErr_Clear();
+    }
+    return true;
 }
 
 bool open_slave(Instance *i, Text *why)

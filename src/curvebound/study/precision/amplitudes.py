@@ -45,8 +45,9 @@ def amplitude_rows(runner: Runner, known: Mapping[str, Row]) -> Iterator[Row]:
     for structure, simpler in zip(space.structures, space.approximate, strict=True):
         if not simpler:
             continue
+        scene = runner.scene
         setting = Setting(
-            structure, "adaptive", _TOLERANCE, runner.scene.step, runner.scene.algorithm
+            structure, "adaptive", _TOLERANCE, scene.step, scene.algorithm, scene.hold
         )
         for member, factor in enumerate(FACTORS):
             key = f"amplitude|{setting.key}|{factor!r}"

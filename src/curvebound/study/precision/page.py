@@ -61,13 +61,13 @@ def study_page(
     parts.append(figure(folder / "work.svg", "error over CPU time for every setting"))
     parts.append(figure(folder / "precision.svg", "error over micro step and tolerance"))
     if (folder / "macro.svg").is_file():
-        parts.append("<h2>Macro step and algorithm</h2>")
+        parts.append("<h2>Macro step and coupling</h2>")
         parts.append(
             "<p>Left, against the scene as it stands, which holds values over its own macro step: "
             "another macro step is another scene. Right, against control and inputs that act all "
             "the time: what holding costs.</p>"
         )
-        parts.append(figure(folder / "macro.svg", "error over macro step for each algorithm"))
+        parts.append(figure(folder / "macro.svg", "error over macro step for each coupling"))
     parts.append("<h2>Pareto front</h2>")
     parts.append(_front(rows))
     parts.append("<h2>Live measures against the truth</h2>")

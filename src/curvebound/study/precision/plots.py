@@ -142,23 +142,23 @@ def draw_precision(rows: Sequence[Row], out: Path, title: str) -> list[Path]:
 
 
 def draw_macro(rows: Sequence[Row], out: Path, title: str) -> list[Path]:
-    """Error over macro step for each algorithm: to the scene as it stands, to continuous action."""
+    """Error over macro step for each coupling: to the scene as it stands, to continuous action."""
     good = usable(rows, purpose="macro")
     if not good:
         return []
     figure, (left, right) = new_figure(8.0, 4.2, 2)
     _log(left, "macro step in s", "largest error", "to the scene at its own macro step")
     _log(right, "macro step in s", "", "to action without holding")
-    algorithms = list(dict.fromkeys(row["algorithm"] for row in good))
-    for i, algorithm in enumerate(algorithms):
-        own = [row for row in good if row["algorithm"] == algorithm]
+    couplings = list(dict.fromkeys(row["coupling"] for row in good))
+    for i, coupling in enumerate(couplings):
+        own = [row for row in good if row["coupling"] == coupling]
         style = {
             "color": _OTHERS[i], "marker": _MARKS[i], "linestyle": _DASHES[i % 4],
-            "markersize": 5, "linewidth": 1.2, "label": algorithm,
+            "markersize": 5, "linewidth": 1.2, "label": coupling,
         }  # fmt: skip
         for axes, error in ((left, "error"), (right, "from_continuous")):
             axes.plot([r["macro_step"] for r in own], [max(r[error], 1e-16) for r in own], **style)
-    figure.suptitle(f"{title}: macro step and algorithm", fontsize=11, x=0.01, ha="left", color=INK)
+    figure.suptitle(f"{title}: macro step and coupling", fontsize=11, x=0.01, ha="left", color=INK)
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
     return save(figure, out)

@@ -156,6 +156,8 @@ class Study:
             "size": setting.size,
             "macro_step": setting.step,
             "algorithm": setting.algorithm,
+            "hold": setting.hold,
+            "coupling": setting.coupling,
             "cpu": outcome.cpu,
             "steps": outcome.counts.get("solver.steps", 0),
             "evaluations": outcome.counts.get("solver.evaluations", 0),

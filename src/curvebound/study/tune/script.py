@@ -47,6 +47,8 @@ def choice_block(scene: Scene, space: Space, setting: Setting, remarks: Sequence
     own: dict[str, Value] = {"step": setting.step}
     if len(scene.components) > 1:
         own["algorithm"] = setting.algorithm
+    if setting.hold != "zero" or scene.hold != "zero":
+        own["hold"] = setting.hold
     if scene.tolerance is not None and setting.by_tolerance and setting.size is not None:
         own["tolerance"] = setting.size  # the scene's would override the FMUs' own
     lines = [f"{_BEGIN}: {remarks[0]}" if remarks else _BEGIN]

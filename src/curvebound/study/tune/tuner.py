@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import CurveboundError
-from ..grid import algorithms, is_sampled
+from ..grid import couplings, is_sampled
 from ..reference.reference_set import ReferenceSet
 from ..runner import Runner
 from ..settings import Setting, Space, space_of
@@ -40,8 +40,8 @@ _ALL = 4  # families that are refined and timed in turn
 class Tuner:
     """Finds the cheapest setting of one scene for any bounds; references and FMUs are kept.
 
-    continuous: judge control laws and inputs as acting all the time: then the macro step and the
-        algorithm are chosen too.
+    continuous: judge control laws and inputs as acting all the time, as a scene whose hold is first
+        always is: then the macro step, the algorithm and the hold are chosen too.
     frame_rate: pictures per simulated second that must be recorded, else the scene's need, else
         its macro step.
     limit: CPU seconds that one run may take; spread: relative range of starts that the choice is to
@@ -64,7 +64,7 @@ class Tuner:
         self.system: System = scene.check()
         self.space: Space = space_of(self.system, keep)
         self.paths = paths
-        self.continuous = continuous
+        self.continuous = continuous or scene.hold == "first"
         self.limit = limit
         self.span = scene.stop_time - scene.start_time
         self.sampled = is_sampled(scene, self.space)
@@ -143,7 +143,7 @@ class Tuner:
     def _families(self, macro: Setting) -> list[Setting]:
         """Families in the order in which they are likely to be cheap: high order first."""
         rank = {"exact": 0, "rk4": 1, "adaptive": 2, "implicit": 3, "semi_implicit_euler": 4}
-        families = self.space.families(macro.step, macro.algorithm)
+        families = self.space.families(macro.step, macro.algorithm, macro.hold)
         return sorted(families, key=lambda f: rank.get(f.method, 9))
 
     def _refine(
@@ -251,11 +251,12 @@ class Tuner:
         words = []
         setting = best.setting
         if self.sampled and self.continuous:
-            finer = setting.step / (best.seen / AIM)
+            order = _order(setting)
+            finer = setting.step / (best.seen / AIM) ** (1.0 / order)
+            cpu = best.cpu * setting.step / finer
             words.append(
-                f"values held over the macro step cost accuracy of first order: a macro step of "
-                f"about {finer:.1e} s would do, at about {best.cpu * setting.step / finer:.2g} s "
-                "of CPU time per simulated second"
+                f"the macro step costs accuracy of order {order:.0f}: one of about {finer:.1e} s "
+                f"would do, at about {cpu:.2g} s of CPU time per simulated second"
             )
         finite = [c for c in tried if c.miss < math.inf and c.setting.size]
         if finite and best.seen < 1e6 and not (self.sampled and self.continuous):
@@ -278,29 +279,49 @@ class Tuner:
     def _macro(
         self, bounds: Mapping[str, float], tried: list[Candidate], tell: Callable[[str], None]
     ) -> Setting:
-        """Macro step and algorithm; a setting whose integration is as good as exact."""
-        base = Setting(self.space.structures[0], "adaptive", 1e-11, self.step, self.scene.algorithm)
-        if not (self.sampled and self.continuous):
+        """Macro step, algorithm and hold; a setting whose integration is as good as exact."""
+        scene = self.scene
+        base = Setting(
+            self.space.structures[0], "adaptive", 1e-11, self.step, scene.algorithm, scene.hold
+        )
+        if self.sampled and not self.continuous:
             return base
-        options: list[tuple[float, Setting]] = []
-        for algorithm in algorithms(self.scene):
-            setting = replace(base, algorithm=algorithm)
-            order = 2.0 if algorithm == "strang" else 1.0
-            for _ in range(5):
-                tell(f"{algorithm}, macro step {setting.step:.2g} s")
+        options: list[Candidate] = []
+        every: list[Candidate] = []
+        for algorithm, hold in self._couplings():
+            setting = replace(base, algorithm=algorithm, hold=hold)
+            for _ in range(5 if self.sampled else 1):
+                tell(f"{setting.coupling}, macro step {setting.step:.2g} s")
                 candidate = self.ensemble.one(setting, bounds)
-                tried.append(candidate)
+                every.append(candidate)
                 if candidate.miss <= 0.5:
-                    options.append((candidate.cpu, setting))
+                    options.append(candidate)
                     break
-                factor = (AIM / min(candidate.miss, 1e6)) ** (1.0 / order)
+                factor = (AIM / min(candidate.miss, 1e6)) ** (1.0 / _order(setting))
                 step = self.step / math.ceil(self.step / (setting.step * factor) - 1e-9)
                 if candidate.cpu * setting.step / step * self.span > self.limit:
                     break
                 setting = replace(setting, step=step)
+        tried += every
         if options:
-            return min(options, key=lambda o: o[0])[1]
-        return replace(base, step=min(c.setting.step for c in tried))
+            return min(options, key=lambda c: c.cpu).setting
+        if self.sampled:
+            return replace(base, step=min(c.setting.step for c in every))
+        return min(every, key=lambda c: c.miss).setting if every else base
+
+    def _couplings(self) -> list[tuple[str, str]]:
+        """Algorithms and holds to choose from."""
+        found = couplings(self.scene, self.space)
+        if self.sampled:
+            return found
+        # of plants alone the algorithm stays
+        found = [pair for pair in found if pair[0] == self.scene.algorithm]
+        return found if len(found) > 1 else []
+
+
+def _order(setting: Setting) -> float:
+    """Of the error in the macro step."""
+    return 2.0 if setting.algorithm == "strang" or setting.hold == "first" else 1.0
 
 
 def _round_up(x: float) -> float:
