@@ -243,7 +243,7 @@ def test_scrubbing(tab: Tab, pages: dict[str, Path]) -> None:
     tab.run(NEXT)
     assert tab.run("curvebound.player.time") == pytest.approx(8.0, abs=0.05)
     heads = tab.run(
-        "curvebound.plots.filter((p) => p.chart).map((p) => {"
+        "curvebound.plots.filter((p) => p.playhead).map((p) => {"
         "const o = p.chart.over.getBoundingClientRect(), h = p.playhead.getBoundingClientRect();"
         "return (h.left + h.width / 2 - o.left) / o.width })"
     )

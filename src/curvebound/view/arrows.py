@@ -13,8 +13,9 @@ from ..errors import CurveboundError
 from ..fmi.drawing import Arrow, Drawing
 from ..fmi.formula import Floats, evaluate, parse
 from .actors import Actor
+from .packing import Packer
 
-__all__ = ["ALL", "Kind", "Vector", "kinds_of", "lacking", "vectors_of", "wanted"]
+__all__ = ["ALL", "Kind", "Vector", "kinds_of", "lacking", "packed", "vectors_of", "wanted"]
 
 ALL = "all"
 
@@ -72,6 +73,18 @@ def vectors_of(actor: Actor, data: NDArray[Any]) -> list[Vector]:
         )
         made.append(Vector(arrow, np.asarray(x, np.float64), np.asarray(y, np.float64)))
     return made
+
+
+def packed(vectors: Sequence[Vector], packer: Packer) -> list[dict[str, Any]]:
+    """Arrows as a page knows them: their kind, where they begin, and the channels of x and y."""
+    return [
+        {
+            "kind": [one.arrow.name, one.arrow.unit],
+            "at": one.arrow.at,
+            "values": [packer.signal(one.x), packer.signal(one.y)],
+        }
+        for one in vectors
+    ]
 
 
 def lacking(arrow: Arrow, drawing: Drawing, prefix: str, data: NDArray[Any]) -> list[str]:

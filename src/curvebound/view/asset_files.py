@@ -21,6 +21,7 @@ _SHARED = (
     "saving.js",
     "decimate.js",
     "plots.js",
+    "phase.js",
     "gestures.js",
     "page.js",
 )

@@ -14,7 +14,7 @@ from ..fmi.drawing import Drawing
 from ..fmi.folder import shipped_drawings
 from ..fmi.formula import parse
 from .actors import Actor, Floats, find_actors, missing, split_name
-from .arrows import kinds_of, vectors_of
+from .arrows import kinds_of, packed, vectors_of
 from .geometry import box_of, distances, follows_frame
 from .packing import Packer
 from .quantities import plots_of, quantity, readouts_of
@@ -164,14 +164,7 @@ def _actor(number: int, actor: Actor, shown: list[_Shown], packer: Packer) -> di
         "curves": [
             {**_trees(curve.x, curve.y), "s": actor.span(curve)} for curve in drawing.curves
         ],
-        "arrows": [
-            {
-                "kind": [one.arrow.name, one.arrow.unit],
-                "at": one.arrow.at,
-                "values": [packer.signal(one.x), packer.signal(one.y)],
-            }
-            for one in vectors_of(actor, result.data)
-        ],
+        "arrows": packed(vectors_of(actor, result.data), packer),
     }
 
 
@@ -188,6 +181,8 @@ def _series(
         "actor": number,
         "owner": label,
         "label": what.label,
+        "variable": name,
+        "name": what.name,
         "unit": what.unit,
         "time": result.clock,
         "values": packer.signal(result.column(column), error=what.error),

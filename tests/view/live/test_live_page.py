@@ -287,6 +287,35 @@ def test_layout_contrast_and_names(
     assert tab.errors == []
 
 
+def test_phase_and_arrows_follow_the_run(tab: Tab, live: Callable[[str], Serving]) -> None:
+    """A push by the slider is seen as an arrow; the phase plot's marker goes where the run goes."""
+    visit(tab, live("pendulum_small"))
+    phase = "curvebound.plots.at(-1)"
+    assert tab.run(f"{phase}.chosen") == ["pendulum.angle", "pendulum.angular_velocity"]
+    tab.run("curvebound.nextArrows(); curvebound.nextArrows()")
+    assert "applied force" in tab.run("[...curvebound.arrows.shown].map(({ name }) => name)")
+    tab.run("curvebound.send({ do: 'set', path: 'plant.slider.fx', value: 4 })")
+    force = "({ kind, at }) => kind[0] === 'applied force' && at === 'slider'"
+    tab.wait(f"curvebound.scene.actors[0].arrows.find({force}).values[0].at(-1) === 4")
+    press(tab, "play")
+    tab.wait("!curvebound.state.playing")
+    tab.run(f"{phase}.element.scrollIntoView()")
+    tab.wait(f"!{phase}.away")
+    tab.run("curvebound.dirty = true")
+    tab.wait(f"{phase}.place && {phase}.time === curvebound.time")
+    place = tab.run(
+        f"(() => {{ const {{ x, y }} = {phase}.lines[0]; return [{phase}.place[0](x.values.at(-1)),"
+        f"{phase}.place[1](y.values.at(-1))]; }})()"
+    )
+    marker = f"{phase}.marked[0].marker.style.transform.match(/-?[\\d.]+/g).map(Number)"
+    assert tab.run(marker) == pytest.approx(place, abs=0.2)
+    tab.run("curvebound.send({ do: 'beside', label: 'again', settings: {} })")
+    tab.wait("curvebound.runs.length === 2 && curvebound.samples[1].length")
+    assert len(tab.run("[...curvebound.arrows.shown]")) > 1, "what was asked for stays"
+    assert tab.run(f"{phase}.lines.length") == 2
+    assert tab.errors == []
+
+
 def test_closing_the_page_frees_the_fmus(
     new_tab: Callable[[], Tab],
     live: Callable[[str], Serving],

@@ -101,10 +101,17 @@ function buildLivePlots(page, actors) {
       page.plots.find((plot) => plot.element === target).away = !isIntersecting;
     }
   });
-  page.plots = specs.map((spec, k) => {
-    const plot = new TimePlot(spec, [new Float64Array(0)], face);
+  const none = new Float64Array(0);
+  page.plots = specs.map((spec) => {
+    const plot = new TimePlot(spec, [none], face);
     for (const one of plot.series) one.format = scaled(one.scale, spec.error);
     plot.element.setAttribute("aria-label", `${spec.title} over time`);
+    return plot;
+  });
+  const phase = phasePlot(page, page.plots, face);
+  if (phase) page.plots.push(phase);
+  page.plots.forEach((plot, k) => {
+    const { spec } = plot;
     plot.element.hidden = !(shown.get(spec.title) ?? spec.shown);
     const box = element("input", undefined, { type: "checkbox", id: `plot-${k}` });
     box.checked = !plot.element.hidden;
@@ -118,7 +125,6 @@ function buildLivePlots(page, actors) {
     });
     get("plots").append(plot.element);
     page.watcher.observe(plot.element);
-    return plot;
   });
 }
 

@@ -97,6 +97,11 @@ class TimePlot {
     return `${this.spec.title} over time: ${parts.join("; ")}`;
   }
 
+  // What the legend of a picture tells.
+  get lines() {
+    return this.series;
+  }
+
   shows(one) {
     return !this.off.has(one) && !this.page.hides(one.actor);
   }

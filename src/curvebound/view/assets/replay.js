@@ -231,6 +231,8 @@ class Page extends ScenePage {
       zoomTime: (factor, t) => this.zoomTime(factor, t),
     };
     this.plots = this.model.plots.map((spec) => new TimePlot(spec, this.channels, page));
+    const phase = phasePlot(this, this.plots, page);
+    if (phase) this.plots.push(phase);
     const chooser = get("chooser");
     disclose(get("choose"), chooser);
     this.plots.forEach((plot, k) => {

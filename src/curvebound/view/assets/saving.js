@@ -13,7 +13,7 @@ function fileName(...parts) {
 function plotPicture(plot, colours) {
   const source = plot.chart.ctx.canvas, ratio = source.width / plot.chart.width;
   const canvas = element("canvas"), line = 20, c = canvas.getContext("2d");
-  const shown = plot.series.filter((one) => plot.shows(one));
+  const shown = plot.lines.filter((one) => plot.shows(one));
   canvas.width = source.width;
   canvas.height = source.height + ratio * (32 + line * shown.length);
   c.fillStyle = colours.paper;

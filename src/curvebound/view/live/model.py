@@ -169,6 +169,7 @@ def _series(plan: Plan, name: str, drawing: Drawing | None, variable: str) -> di
     return {
         "column": _columns(plan).index(column),
         "component": name,
+        "variable": variable,
         "label": what.label,
         "name": what.name,
         "unit": what.unit,
