@@ -122,8 +122,15 @@ def test_an_absent_tool_is_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
     ("tool", "setting", "bounds"),
     [
         ("scipy", 1e-9, {"bead, angle": 1e-7, "bead, Cartesian": 1e-5, "pendulum": 1e-6}),
-        ("heyoka", 1e-10, {"bead, angle": 1e-11, "bead, Cartesian": 1e-9, "pendulum": 1e-11}),
-        ("MuJoCo", 1e-3, {"bead, angle": 0.02, "pendulum": 1e-3}),
+        pytest.param(
+            "heyoka",
+            1e-10,
+            {"bead, angle": 1e-11, "bead, Cartesian": 1e-9, "pendulum": 1e-11},
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "MuJoCo", 1e-3, {"bead, angle": 0.02, "pendulum": 1e-3}, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_peers_solve_the_same_equations(

@@ -33,15 +33,17 @@ def loaded(*words: str) -> set[str]:
     ("words", "allowed"),
     [
         ((), ()),
-        (("--help",), ()),
-        (("--version",), ()),
-        (("run", "--help"), ()),
+        pytest.param(("--help",), (), marks=pytest.mark.slow),
+        pytest.param(("--version",), (), marks=pytest.mark.slow),
+        pytest.param(("run", "--help"), (), marks=pytest.mark.slow),
         (("stability", "--help"), ()),
-        (("list",), ()),
+        pytest.param(("list",), (), marks=pytest.mark.slow),
         (("list", "--json"), ()),
-        (("list", "BeadOnWire"), ("rich",)),
+        pytest.param(("list", "BeadOnWire"), ("rich",), marks=pytest.mark.slow),
         (("run", "bead_on_wire", "--stop", "0.1"), ("fmpy", "numpy")),
-        (("run", "inverted_balance", "--stop", "0.1"), ("fmpy", "numpy")),
+        pytest.param(
+            ("run", "inverted_balance", "--stop", "0.1"), ("fmpy", "numpy"), marks=pytest.mark.slow
+        ),
     ],
     ids=" ".join,
 )

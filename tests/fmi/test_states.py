@@ -55,8 +55,6 @@ SUBJECTS: dict[str, Subject] = {
         "ParabolaDrive", {**_DRIVE, "sample.period": 0.25, "waveform.axis": "y"}, tuning=_TUNED
     ),
 }
-#: seeds of the random sequences of each subject
-SEEDS = range(4)
 
 
 def recorded(fmu: Extracted, subject: Subject, seed: int) -> Tape:
@@ -88,9 +86,10 @@ def fleet(extracted: dict[str, Extracted], interpreted: dict[str, Extracted]):
     return {"extracted": extracted, "interpreted": interpreted}
 
 
+@pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("label", SUBJECTS)
-def test_random_sequences(fleet, label: str) -> None:
-    for seed in SEEDS:
+def test_random_sequences(fleet, label: str, count: int) -> None:
+    for seed in range(count):
         random_sequence(fleet, SUBJECTS[label], seed)
 
 

@@ -65,7 +65,13 @@ def in_fmpy(fmu, vrs, count=20):
     return values
 
 
-@pytest.mark.parametrize("name", ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "ParabolaPendulum",
+        *(pytest.param(n, marks=pytest.mark.slow) for n in ("BeadOnWire", "ParabolaDrive")),
+    ],
+)
 def test_a_plain_environment_gives_fmpys_numbers(host, fmus, name):
     vrs = fmus[name].outputs()
     result = host(whole_run(fmus[name], vrs))

@@ -26,7 +26,13 @@ def run(model: Any, until: float, step: float, tolerance: float) -> Adaptive:
 
 
 @pytest.mark.parametrize(
-    ("mass", "tolerance"), [(1e2, 1e-10), (1e3, 1e-8), (1e3, 1e-6), (1e5, 1e-6)]
+    ("mass", "tolerance"),
+    [
+        (1e2, 1e-10),
+        pytest.param(1e3, 1e-8, marks=pytest.mark.slow),
+        pytest.param(1e3, 1e-6, marks=pytest.mark.slow),
+        (1e5, 1e-6),
+    ],
 )
 @pytest.mark.parametrize(
     ("a", "off"), [(0.0, 0.0), (0.0, 1e-13), (-0.5, 1e-13), (0.5, 1e-13), (-0.5, 1e-6), (0.5, 1e-6)]
