@@ -113,8 +113,8 @@ def test_the_verdict(
     made = Statement("m", "all", count, 1.0, 0.1, 0.1 * spread, under, correlation, largest)
     assert made.verdict.startswith(words)
     assert made.sentence == (
-        f"m: {made.verdict}. In nine of ten runs the true error is 1.0e-01 to "
-        f"{0.1 * spread:.1e} times what it says, in {under:.0%} more than ten times "
+        f"m: {made.verdict}. In nine of ten runs the true error is 0.1 to "
+        f"{0.1 * spread:.2g} times what it says, in {under:.0%} more than ten times "
         f"({count} runs, rank correlation {correlation:.2f})."
     )
 
@@ -160,9 +160,9 @@ def test_every_sentence() -> None:
         "The linear model itself is off by 0.03, however it is integrated: it meets no bound "
         "below that.",
         "At the same step of rk4, none has 30 times the error of angle.",
-        "exact is free of numerical error, 4e-15 at macro steps of 0.01 s: rounding.",
-        "Numerical error (angle): rk4 step^4.00, adaptive tolerance^1.25.",
-        "The cheapest: angle rk4 from 1e-02 on; angle adaptive from 1e-08 on. "
+        "exact is free of numerical error, 4e-15 at macro steps of 10 ms: rounding.",
+        "Numerical error (angle): rk4 order 4.00, adaptive order 1.25 in its tolerance.",
+        "The cheapest: angle rk4 from 0.01 on; angle adaptive from 1e-8 on. "
         "No setting reaches 1e-12.",
     ]
     assert lessons([]) == []
@@ -181,8 +181,15 @@ def test_the_cheapest_at_each_level() -> None:
 
 
 def test_the_front_leaves_out_what_is_not_clearly_better() -> None:
-    made = [row(cpu=c, error=e) for c, e in [(4, 0.8), (1, 1.0), (2, 0.89), (3, 0.85), (2, 0.95)]]
+    made = [
+        row(cpu=c, error=e, amplitude=9.0)
+        for c, e in [(4, 0.8), (1, 1.0), (2, 0.89), (3, 0.85), (2, 0.95)]
+    ]
     assert [(r["cpu"], r["error"]) for r in pareto(made)] == [(1, 1.0), (2, 0.89), (4, 0.8)]
+    # an error of half the range is that of a result which stays in the middle, however cheap
+    assert [r["cpu"] for r in pareto([*made, row(cpu=0.1, error=4.6, amplitude=9.0)])] == [1, 2, 4]
+    small = {"amplitude.a": 9.0, "total.worst.a": 1.0, "amplitude.b": 1e-3, "total.worst.b": 5e-4}
+    assert pareto([row(error=1.0, **small)]) == []
     best = cheapest(made, 0.89)
     assert best is not None
     assert best["cpu"] == 2

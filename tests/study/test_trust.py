@@ -83,7 +83,7 @@ def test_settings_that_timing_does_not_tell_apart_are_called_equal() -> None:
     ]
     assert [r["method"] for r in equals(rows, 1e-4)] == ["rk4"]
     assert any("angle adaptive or angle rk4 from" in text for text in lessons(rows))
-    assert spread_of(rows[0]) == "1.0e+00 (9.0e-01 to 1.2e+00)"
+    assert spread_of(rows[0]) == "1 s (900 ms to 1.2 s)"
 
 
 def test_what_is_near_the_cheapest_is_timed_again_in_turns() -> None:
@@ -117,7 +117,7 @@ def test_failures_are_listed_with_what_the_fmu_said(tmp_path: Path) -> None:
     other = row(1e-3, math.inf, failure="another <fault>", key="x")
     page = study_page(
         tmp_path / "index.html", name="s", description="", rows=[row(1e-3, 1e-3), *failed, other],
-        references=[], paths=["a.b"], complete=True, statements=[], footer="",
+        references=[], paths=["a.b"], unit="m", complete=True, statements=[], footer="",
     ).read_text()  # fmt: skip
     assert "wire.radius is 0: give more" in page
     assert "another &lt;fault&gt;" in page

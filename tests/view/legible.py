@@ -34,7 +34,7 @@ _FAINT = """(() => {
     const ink = numbers(drawn ? style.fill : style.color);
     const [low, high] = [light(ink), light(ground(element))].sort((a, b) => a - b);
     const contrast = (high + 0.05) / (low + 0.05);
-    const scale = drawn ? element.getScreenCTM().a : 1;
+    const scale = drawn ? Math.hypot(element.getScreenCTM().a, element.getScreenCTM().b) : 1;
     const letters = parseFloat(style.fontSize) * scale;
     if (contrast < CONTRAST || letters < LETTERS)
       found.push(`${text}: contrast ${contrast.toFixed(1)}, ${letters.toFixed(1)} px`);

@@ -107,7 +107,7 @@ def _as_data(study: Any, page: Path) -> dict[str, Any]:
         "scene": study.scene.name,
         "page": str(page),
         "cheapest": [{"error": level, "setting": row} for level, row in crossings(study.rows)],
-        "lessons": lessons(study.rows),
+        "lessons": lessons(study.rows, study.unit),
         "references": study.references,
     }
 
@@ -115,26 +115,27 @@ def _as_data(study: Any, page: Path) -> dict[str, Any]:
 def _print(console: Any, study: Any, page: Path) -> None:
     from rich.table import Table
 
-    from ..study.precision.lessons import crossings, lessons, spread_of
+    from ..numbers import plain, quantity
+    from ..study.precision.lessons import crossings, lessons, name_of, size_of, spread_of
+    from ..units import labelled
 
     table = Table(box=None, pad_edge=False, title=f"\n{study.scene.name}", title_justify="left")
-    for heading in ("error", "cheapest setting", "macro", "CPU s/s"):
+    error = labelled("error", study.unit)
+    for heading in (error, "cheapest setting", "macro step", "CPU time per s"):
         table.add_column(heading, justify="left" if "setting" in heading else "right")
     for level, row in crossings(study.rows):
         if row is None:
-            table.add_row(f"{level:.0e}", "none", "", "")
+            table.add_row(plain(level), "none", "", "")
             continue
-        words = f"{row['form']} {row['method']}".strip()
-        if row["size"]:
-            words += f" {'tol' if row['size_is'] == 'tolerance' else 'h'} {row['size']:.2g}"
-        table.add_row(f"{level:.0e}", words, f"{row['macro_step']:.3g} s", spread_of(row))
+        words = f"{name_of(row)}, {size_of(row)}" if size_of(row) else name_of(row)
+        table.add_row(plain(level), words, quantity(row["macro_step"], "s"), spread_of(row))
     console.print(table)
-    for text in lessons(study.rows):
+    for text in lessons(study.rows, study.unit):
         console.print(f"- {text}", soft_wrap=not console.is_terminal)
     for reference in study.references:
         doubt = max(reference["uncertainty"].values())
         console.print(
-            f"reference ({reference['what']}): {reference['how']}; uncertainty {doubt:.1e}",
+            f"reference ({reference['what']}): {reference['how']}; uncertainty {plain(doubt, 2)}",
             style="dim", soft_wrap=not console.is_terminal,
         )  # fmt: skip
     console.print(str(page), soft_wrap=True)

@@ -17,8 +17,10 @@ from pathlib import Path
 from typing import Any
 
 from ..files import write_whole
+from ..numbers import plain
 
 __all__ = [
+    "NARROW",
     "Html",
     "common_style",
     "document",
@@ -31,6 +33,10 @@ __all__ = [
     "themed",
     "write_page",
 ]
+
+
+#: behind the name of a drawing that is for narrow screens
+NARROW = "_narrow"
 
 
 class Html(str):
@@ -147,10 +153,21 @@ def table(
 def figure(svg: Path, words: str) -> str:
     """The drawing in a file, as part of the page; nothing where there is no such file.
 
-    words: what it shows, for those who do not see it.
+    words: what it shows, for those who do not see it. Where the drawing for narrow screens lies
+    beside it, with NARROW behind the name, the width of the screen chooses.
     """
     if not svg.is_file():
         return ""
+    narrow = svg.with_name(f"{svg.stem}{NARROW}.svg")
+    if not narrow.is_file():
+        return f"<figure>{_inline(svg, words)}</figure>"
+    return (
+        f'<figure><div class="wide">{_inline(svg, words)}</div>'
+        f'<div class="narrow">{_inline(narrow, words)}</div></figure>'
+    )
+
+
+def _inline(svg: Path, words: str) -> str:
     text = svg.read_text(encoding="utf-8")
     text = text[text.index("<svg") :]
     # several drawings share the page: their names must not meet
@@ -159,7 +176,7 @@ def figure(svg: Path, words: str) -> str:
                      ('xlink:href="#', f'xlink:href="#{mark}-')):  # fmt: skip
         text = text.replace(old, new)
     label = f'<svg role="img" aria-label="{html.escape(words)}"'
-    return f"<figure>{text.replace('<svg', label, 1)}</figure>"
+    return text.replace("<svg", label, 1)
 
 
 def embedded_json(value: Any) -> str:
@@ -178,9 +195,7 @@ def _shown(value: Any) -> str:
     if isinstance(value, Html):
         return value
     if isinstance(value, float):
-        if value == 0.0:
-            return "0"
-        return f"{value:.2e}" if not 1e-2 <= abs(value) < 1e4 else f"{value:.3g}"
+        return plain(value)
     return html.escape(str(value))
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
 from ..kernel.methods import METHODS, create
+from ..numbers import plain, quantity
 from .reference.equations import system_of
 
 if TYPE_CHECKING:
@@ -72,7 +73,8 @@ class Setting:
         """In words, without macro step and algorithm."""
         parts = [part for part in (self.form, self.method) if part]
         if self.size is not None:
-            parts.append(f"{'tol' if self.by_tolerance else 'h'} {self.size:.2g}")
+            size = plain(self.size, 2) if self.by_tolerance else quantity(self.size, "s", 2)
+            parts.append(f"{'tolerance' if self.by_tolerance else 'step'} {size}")
         return ", ".join(parts)
 
     def with_size(self, size: float | None) -> Setting:

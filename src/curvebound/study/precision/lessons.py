@@ -7,6 +7,9 @@ import statistics
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from ...numbers import plain, quantity
+from ...units import labelled
+
 __all__ = [
     "LEVELS",
     "cheapest",
@@ -17,6 +20,7 @@ __all__ = [
     "order_of",
     "pareto",
     "ratio_of_forms",
+    "size_of",
     "spread_of",
     "usable",
 ]
@@ -41,15 +45,25 @@ def usable(rows: Iterable[Row], purpose: str = "micro", error: str = "error") ->
 def pareto(rows: Sequence[Row], error: str = "error") -> list[Row]:
     """Rows that no other row beats in both cost and error, from cheap to dear.
 
-    A row must be clearly better than a cheaper one, by 10 %: timings are not surer than that.
+    A row must be clearly better than a cheaper one, by 10 %: timings are not surer than that. One
+    whose error is as large as the motion tells nothing of it, whatever it costs.
     """
     front: list[Row] = []
     best = math.inf
-    for row in sorted(rows, key=lambda r: (r["cpu"], r[error])):
+    for row in sorted(filter(_tells, rows), key=lambda r: (r["cpu"], r[error])):
         if row[error] < 0.9 * best:
             front.append(row)
             best = row[error]
     return front
+
+
+def _tells(row: Row) -> bool:
+    """Whether each error is below that of a result that stays in the middle of the motion."""
+    sizes = {path: row[path] for path in row if path.startswith("amplitude.")}
+    pairs = [(row[path.replace("amplitude", "total.worst", 1)], sizes[path]) for path in sizes]
+    # a study of before knew the largest motion only
+    pairs = pairs or [(row["error"], row.get("amplitude") or 0.0)]
+    return all(error < 0.5 * size for error, size in pairs if size > 0.0)
 
 
 def cheapest(rows: Sequence[Row], bound: float, error: str = "error") -> Row | None:
@@ -127,15 +141,25 @@ def name_of(row: Row) -> str:
     return f"{row['form']} {row['method']}".strip()
 
 
+def size_of(row: Row) -> str:
+    """Micro step or tolerance of a row; empty where it has none."""
+    if not row["size"]:
+        return ""
+    if row["size_is"] == "tolerance":
+        return f"tolerance {plain(row['size'])}"
+    return f"step {quantity(row['size'], 's')}"
+
+
 def spread_of(row: Row) -> str:
-    """The cost of a row, with the range of its timings where there are several."""
+    """CPU time per simulated s, with the range of the timings where there are several."""
+    cost = quantity(row["cpu"], "s")
     if "cpu_low" not in row:
-        return f"{row['cpu']:.1e}"
-    return f"{row['cpu']:.1e} ({row['cpu_low']:.1e} to {row['cpu_high']:.1e})"
+        return cost
+    return f"{cost} ({quantity(row['cpu_low'], 's')} to {quantity(row['cpu_high'], 's')})"
 
 
-def lessons(rows: Sequence[Row]) -> list[str]:
-    """Sentences on formulation, method, step and model."""
+def lessons(rows: Sequence[Row], unit: str = "1") -> list[str]:
+    """Sentences on formulation, method, step and model; `unit` is that of the errors."""
     good = usable(rows, error="numerical")
     forms = list(dict.fromkeys(row["form"] for row in good))
     methods = list(dict.fromkeys(row["method"] for row in good))
@@ -145,31 +169,34 @@ def lessons(rows: Sequence[Row]) -> list[str]:
     simpler = {row["form"]: row["modelling"] for row in good if row["modelling"] > 0.0}
     for form, error in simpler.items():
         said.append(
-            f"The {form} model itself is off by {error:.2g}, however it is integrated: it meets no "
-            "bound below that."
+            f"The {form} model itself is off by {labelled(plain(error, 2), unit)}, however it is "
+            "integrated: it meets no bound below that."
         )
     full = [form for form in forms if form not in simpler]
     for form in full[1:]:
         ratio = ratio_of_forms(rows, form, full[0], "rk4")
         if ratio is not None:
-            more = f"{ratio:.2g} times the error" if ratio >= 1 else f"{1 / ratio:.2g} times less"
-            said.append(f"At the same step of rk4, {form} has {more} of {full[0]}.")
+            more = f"{plain(ratio, 2)} times the error of"
+            if ratio < 1.0:
+                more = f"{plain(1.0 / ratio, 2)} times less error than"
+            said.append(f"At the same step of rk4, {form} has {more} {full[0]}.")
     exact = [row for row in good if row["method"] == "exact"]
     if exact:
         worst = max(row["numerical"] for row in exact)
-        steps = ", ".join(f"{row['macro_step']:g}" for row in exact)
+        steps = ", ".join(quantity(row["macro_step"], "s") for row in exact)
+        said_worst = labelled(plain(worst, 1), unit)
         free = worst < _ROUNDING * max(1.0, *(row.get("amplitude") or 0.0 for row in exact))
         said.append(
-            f"exact is free of numerical error, {worst:.1g} at macro steps of {steps} s: rounding."
+            f"exact is free of numerical error, {said_worst} at macro steps of {steps}: rounding."
             if free
-            else f"exact has an error of {worst:.1g} at macro steps of {steps} s."
+            else f"exact has an error of {said_worst} at macro steps of {steps}."
         )
     measured = []
     for method in methods:
         order = order_of(rows, full[0], method) if full else None
         if order is not None:
-            what = "tolerance" if method == "adaptive" else "step"
-            measured.append(f"{method} {what}^{order:.2f}")
+            what = " in its tolerance" if method == "adaptive" else ""
+            measured.append(f"{method} order {order:.2f}{what}")
     if measured:
         said.append(f"Numerical error ({full[0] or 'measured'}): {', '.join(measured)}.")
     said += _dearest(rows)
@@ -186,12 +213,12 @@ def _dearest(rows: Sequence[Row]) -> list[str]:
     for level, row in found:
         label = " or ".join([name_of(row), *map(name_of, equals(usable(rows), level))])
         if label != last:
-            parts.append(f"{label} from {level:.0e} on")
+            parts.append(f"{label} from {plain(level)} on")
             last = label
     unmet = [level for level, row in crossings(rows) if row is None]
     text = "The cheapest: " + "; ".join(parts) + "."
     if any(" or " in part for part in parts):
         text += " (What `or` joins, the timings do not tell apart.)"
     if unmet:
-        text += f" No setting reaches {max(unmet):.0e}."
+        text += f" No setting reaches {plain(max(unmet))}."
     return [text]

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from ...numbers import plain
+
 __all__ = ["MEASURES", "Measured", "Statement", "points", "statement"]
 
 Row = dict[str, Any]
@@ -88,9 +90,9 @@ class Statement:
         """How far the measure can be trusted, with the numbers that say so."""
         order = "" if math.isnan(self.correlation) else f", rank correlation {self.correlation:.2f}"
         return (
-            f"{self.measure}: {self.verdict}. In nine of ten runs the true error is {self.low:.1e} "
-            f"to {self.high:.1e} times what it says, in {self.under:.0%} more than ten times "
-            f"({self.count} runs{order})."
+            f"{self.measure}: {self.verdict}. In nine of ten runs the true error is "
+            f"{plain(self.low, 2)} to {plain(self.high, 2)} times what it says, in "
+            f"{self.under:.0%} more than ten times ({self.count} runs{order})."
         )
 
 

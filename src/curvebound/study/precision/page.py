@@ -11,8 +11,10 @@ from typing import Any
 from urllib.parse import quote
 
 from ...files import inside
+from ...numbers import plain, quantity
 from ...pages import figure, report, table, write_page
-from .lessons import crossings, equals, lessons, name_of, pareto, spread_of, usable
+from ...units import labelled
+from .lessons import crossings, equals, lessons, name_of, pareto, size_of, spread_of, usable
 from .live_measures import MEASURES, Statement
 
 __all__ = ["overview_page", "study_page"]
@@ -20,15 +22,12 @@ __all__ = ["overview_page", "study_page"]
 Row = dict[str, Any]
 
 
-def _size(row: Row) -> str:
-    if not row["size"]:
-        return "-"
-    return f"{'tol' if row['size_is'] == 'tolerance' else 'h'} {row['size']:.3g}"
+_COST = "CPU time per simulated s"
 
 
 def _setting(row: Row) -> list[Any]:
-    words = " ".join(part for part in (row["form"], row["method"]) if part)
-    return [words, _size(row), f"{row['macro_step']:.3g}"]
+    size = size_of(row).replace(" ", "\N{NO-BREAK SPACE}")
+    return [name_of(row), size or "-", quantity(row["macro_step"], "s")]
 
 
 def study_page(
@@ -39,24 +38,28 @@ def study_page(
     rows: Sequence[Row],
     references: Sequence[Row],
     paths: Sequence[str],
+    unit: str,
     complete: bool,
     statements: Sequence[Statement],
     footer: str,
 ) -> Path:
-    """Write the page of one scene to `out`; pictures are taken from the files beside it."""
+    """Write the page of one scene to `out`; pictures are taken from the files beside it.
+
+    unit: of the errors, all of them where the outputs have several.
+    """
     folder = out.parent
     parts = [
         f"<header><h1>{html.escape(name)}</h1><p class=muted>{html.escape(description)}; errors of "
-        f"{html.escape(', '.join(paths))}, in their units, the largest of them.</p></header><main>"
+        f"{html.escape(', '.join(paths))}, the largest of them.</p></header><main>"
     ]
     if not complete:
         parts.append("<p><b>Unfinished:</b> the same command goes on where it was stopped.</p>")
-    taught = lessons(rows)
+    taught = lessons(rows, unit)
     if taught:
         items = "".join(f"<li>{html.escape(text)}</li>" for text in taught)
         parts.append(f"<h2>What it teaches</h2><ul>{items}</ul>")
     parts.append("<h2>The cheapest setting for an error</h2>")
-    parts.append(_cheapest(rows))
+    parts.append(_cheapest(rows, unit))
     parts.append("<h2>Work and precision</h2>")
     parts.append(figure(folder / "work.svg", "error over CPU time for every setting"))
     parts.append(figure(folder / "precision.svg", "error over micro step and tolerance"))
@@ -69,7 +72,7 @@ def study_page(
         )
         parts.append(figure(folder / "macro.svg", "error over macro step for each coupling"))
     parts.append("<h2>Pareto front</h2>")
-    parts.append(_front(rows))
+    parts.append(_front(rows, unit))
     parts.append("<h2>Live measures against the truth</h2>")
     parts.append(_TRUST_WORDS)
     parts.append(_trust_table(statements))
@@ -81,9 +84,9 @@ def study_page(
         parts.append(f"<h2>Failed: {len(failed)} settings</h2>")
         parts.append(
             table(
-                ["settings", "first of them", "size", "macro step / s", "message"],
+                ["settings", "first of them", "size", "macro step", "message"],
                 [[len(same), *_setting(same[0]), message] for message, same in _alike(failed)],
-                words=(1, 4),
+                words=(1, 2, 4),
             )
         )
     parts.append(
@@ -93,30 +96,31 @@ def study_page(
     return write_page(out, report(f"{name}: a study", "\n".join(parts), footer))
 
 
-def _cheapest(rows: Sequence[Row]) -> str:
+def _cheapest(rows: Sequence[Row], unit: str) -> str:
     good = usable(rows)
     return table(
-        ["error below", "setting", "size", "macro step / s", "error", "CPU s per s",
-         "not told apart"],
+        [labelled("error below", unit), "setting", "size", "macro step", labelled("error", unit),
+         _COST, "not told apart"],
         [
-            [f"{level:.0e}", *(_setting(row) if row else ["none", "-", "-"]),
+            [plain(level), *(_setting(row) if row else ["none", "-", "-"]),
              row["error"] if row else None, spread_of(row) if row else None,
              ", ".join(map(name_of, equals(good, level))) or "-"]
             for level, row in crossings(rows)
         ],
-        words=(0, 1, 6),
+        words=(1, 2, 6),
     )  # fmt: skip
 
 
-def _front(rows: Sequence[Row]) -> str:
+def _front(rows: Sequence[Row], unit: str) -> str:
     return table(
-        ["setting", "size", "macro step / s", "error", "numerical", "model", "CPU s per s",
-         "evaluations", "energy residual / J", "drift / m"],
+        ["setting", "size", "macro step", labelled("error", unit), "numerical", "of the model",
+         _COST, "evaluations", "energy residual (J)", "drift (m)"],
         [
-            [*_setting(r), r["error"], r["numerical"], r["modelling"], r["cpu"],
+            [*_setting(r), r["error"], r["numerical"], r["modelling"], quantity(r["cpu"], "s"),
              r["evaluations"], r["energy_residual"], r["drift"]]
             for r in pareto(usable(rows))
         ],
+        words=(0, 1),
     )  # fmt: skip
 
 
@@ -149,8 +153,8 @@ def _references(references: Sequence[Row], rows: Sequence[Row]) -> str:
         )
     if untils and min(untils) < max(untils):
         words += (
-            f"<p>The motion amplifies errors: some rows are judged up to t = {min(untils):.4g} s "
-            "only, where the reference still holds for them.</p>"
+            "<p>The motion amplifies errors: some rows are judged up to t = "
+            f"{quantity(min(untils), 's', 4)} only, where the reference still holds for them.</p>"
         )
     return body + words
 
@@ -189,9 +193,13 @@ def overview_page(
         for level, row in crossings(study["rows"]):
             if level in (1e-2, 1e-6, 1e-10):
                 rows.append(
-                    [name, f"{level:.0e}", *(_setting(row) if row else ["none", "-", "-"]),
-                     row["cpu"] if row else None]
-                )  # fmt: skip
+                    [
+                        name,
+                        labelled(plain(level), study.get("unit", "")),
+                        *(_setting(row) if row else ["none", "-", "-"]),
+                        quantity(row["cpu"], "s") if row else None,
+                    ]
+                )
     links = "".join(
         f'<li><a href="{html.escape(quote(inside(Path(), name).name))}/index.html">'
         f"{html.escape(name)}</a>: "
@@ -201,10 +209,9 @@ def overview_page(
     parts.append(f"<ul>{links}</ul><h2>The cheapest setting for an error</h2>")
     parts.append(
         table(
-            ["scene", "error below", "setting", "size", "macro step / s", "CPU s per s"], rows,
-            words=(0, 2),
+            ["scene", "error below", "setting", "size", "macro step", _COST], rows, words=(0, 2, 3)
         )
-    )  # fmt: skip
+    )
     parts.append("<h2>Predicted against real: the live measures, over all scenes</h2>")
     parts.append(_TRUST_WORDS)
     said = "".join(f"<li>{html.escape(t.sentence)}</li>" for t in statements if t.group == "all")

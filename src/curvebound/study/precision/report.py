@@ -57,6 +57,7 @@ def write_study(study: Study, folder: Path, *, plots: bool = True) -> Path:
             "scene": name,
             "description": study.scene.description,
             "outputs": study.paths,
+            "unit": study.unit,
             "complete": study.complete,
             "references": study.references,
             "rows": study.rows,
@@ -64,9 +65,9 @@ def write_study(study: Study, folder: Path, *, plots: bool = True) -> Path:
         folder / "study.json",
     )
     if plots:
-        draw_work(study.rows, folder / "work", name)
-        draw_precision(study.rows, folder / "precision", name)
-        draw_macro(study.rows, folder / "macro", name)
+        draw_work(study.rows, folder / "work", name, study.unit)
+        draw_precision(study.rows, folder / "precision", name, study.unit)
+        draw_macro(study.rows, folder / "macro", name, study.unit)
         draw_trust(list(zip(MEASURES.values(), found, strict=True)), folder / "trust", name)
     return study_page(
         folder / "index.html",
@@ -75,6 +76,7 @@ def write_study(study: Study, folder: Path, *, plots: bool = True) -> Path:
         rows=study.rows,
         references=study.references,
         paths=study.paths,
+        unit=study.unit,
         complete=study.complete,
         statements=statements,
         footer=_footer(),

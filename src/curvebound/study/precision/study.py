@@ -67,6 +67,14 @@ class Study:
         paths = list(outputs) if outputs else study_outputs(scene, system)
         return cls(scene, system, space, paths, quick, limit)
 
+    @property
+    def unit(self) -> str:
+        """The unit of the errors: those of the outputs, where they have several."""
+        ports = [
+            (name, variable) for name, _, variable in (path.partition(".") for path in self.paths)
+        ]
+        return ", ".join(dict.fromkeys(self.system.units(ports).values()))
+
     def run(self, journal: Path | None = None, progress: Progress | None = None) -> None:
         """Run what is not yet in the journal; KeyboardInterrupt leaves what is done in `rows`."""
         known = self._open(journal)
@@ -196,7 +204,9 @@ class Study:
             row |= {f"{kind}.worst.{path}": v.worst for path, v in verdicts.items()}
             row |= {f"{kind}.final.{path}": v.final for path, v in verdicts.items()}
         exact = references.values(self.space.best_model, times)
-        row["amplitude"] = max(float(np.ptp(exact[path][:, 0])) for path in self.paths)
+        sizes = {path: float(np.ptp(exact[path][:, 0])) for path in self.paths}
+        row |= {f"amplitude.{path}": size for path, size in sizes.items()}
+        row["amplitude"] = max(sizes.values())
         row["error"] = max(v.worst for v in total.values())
         row["numerical"] = max(v.worst for v in own.values())
         row["judged"] = all(v.judged for v in own.values())

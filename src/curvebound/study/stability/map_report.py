@@ -10,6 +10,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ...files import inside, remove
+from ...numbers import plain, quantity
 from ...pages import figure, report, table, write_page
 from ...units import labelled
 from ..data_files import write_rows
@@ -19,6 +20,18 @@ from .probe import FAILED, UNKNOWN
 from .stability_map import RESOLUTION, Column, StabilityMap
 
 __all__ = ["files_of", "nothing_known", "write_index", "write_map"]
+
+
+_WORDS = (
+    "Unstable: the energy is wrong by more than ten times all that is at stake in the exact "
+    "motion, or an output is ten times as large as it may be. The exact motion is that of adaptive "
+    "at a tolerance of 1e-11, where its energy balance holds to a millionth (unknown otherwise), "
+    "with the macro step of the scene where it is coupled. The boundaries were found by bisection "
+    f"to {RESOLUTION - 1.0:.0%}; adaptive is mapped over its tolerance, since it chooses its step. "
+    "Linear theory: where the method lets the energy of a mode grow to 21 times itself within the "
+    "run, for the equations in minimal coordinates linearised at rest, and along the exact motion "
+    "at its worst moment."
+)
 
 
 def nothing_known(maps: Sequence[StabilityMap]) -> str:
@@ -50,27 +63,21 @@ def write_map(
     label = labelled(path, unit)
     picture = ""
     if plots:
-        _, svg = draw(maps, label, page.with_suffix(".png"))
+        _, svg, narrow = draw(maps, label, page.with_suffix(".png"))
         picture = figure(svg, "verdicts over value and step, one panel for each method")
         remove(svg)
+        remove(narrow)
     title = f"{scene}: step against {label}"
     durations = sorted({column.duration for column in maps[0].columns})
-    runs = f"{durations[0]:.3g} s"
+    runs = quantity(durations[0], "s")
     if len(durations) > 1:
-        runs = f"{runs} to {durations[-1]:.3g} s (see the column duration of the CSV)"
+        runs = f"{runs} to {quantity(durations[-1], 's')} (see the column duration of the CSV)"
     changes = "".join(f", {name} = {value}" for name, value in request.changes)
     body = (
         f"<main><h1>{html.escape(title)}</h1>"
         f"<p>Runs of {runs}{html.escape(changes)}. Accurate: relative error at most "
-        f"{request.accuracy:g}. Unstable: the energy is wrong by more than ten times all that is "
-        "at stake in the exact motion, or an output is ten times as large as it may be. The exact "
-        "motion is that of adaptive at a tolerance of 1e-11, where its energy balance holds to a "
-        "millionth (unknown otherwise), with the macro step of the scene where it is coupled. The "
-        f"boundaries were found by bisection to {RESOLUTION - 1.0:.0%}; adaptive is mapped over "
-        "its tolerance, since it chooses its step. Linear theory: where the method lets the energy "
-        "of a mode grow to 21 times itself within the run, for the equations in minimal "
-        "coordinates linearised at rest, and along the exact motion at its worst moment.</p>"
-        f"{picture}<h2>Largest steps</h2>{_steps(maps)}{_failures(maps)}</main>"
+        f"{plain(request.accuracy)}. {_WORDS}</p>"
+        f"{picture}<h2>Largest steps</h2>{_steps(maps, label)}{_failures(maps)}</main>"
     )
     return write_page(page, report(title, body, "Made by curvebound stability."))
 
@@ -129,24 +136,25 @@ def _boundaries(maps: Sequence[StabilityMap], path: str) -> list[dict[str, Any]]
     ]
 
 
-def _size(x: float, column: Column) -> str:
+def _size(x: float, column: Column, unit: str) -> str:
     if any(verdict.kind == UNKNOWN for verdict in column.verdicts.values()):
         return "unknown"
     if math.isnan(x):
-        return f"< {column.sizes[0]:.2g}"
-    return f"≥ {column.sizes[-1]:.2g}" if math.isinf(x) else f"{x:.2e}"
+        return f"< {quantity(column.sizes[0], unit)}"
+    return f"≥ {quantity(column.sizes[-1], unit)}" if math.isinf(x) else quantity(x, unit)
 
 
-def _steps(maps: Sequence[StabilityMap]) -> str:
+def _steps(maps: Sequence[StabilityMap], label: str) -> str:
     """The table of largest accurate and stable steps, two columns for each method."""
-    head = ["value"]
+    head = [label]
     for one in maps:
         head += [f"{one.method}, accurate", "stable"]
     rows = []
     for i, column in enumerate(maps[0].columns):
-        row = [f"{column.value:.4g}"]
-        for own in (one.columns[i] for one in maps):
-            row += [_size(own.accurate, own), _size(own.stable, own)]
+        row = [plain(column.value, 4)]
+        for one in maps:
+            own, unit = one.columns[i], "" if one.size_is == "tolerance" else "s"
+            row += [_size(own.accurate, own, unit), _size(own.stable, own, unit)]
         rows.append(row)
     return table(head, rows)
 
@@ -166,6 +174,6 @@ def _failures(maps: Sequence[StabilityMap]) -> str:
                 value, message = found[0]
                 items.append(
                     f"<li>{one.method}: {len(found)} of the runs {words}, for example at "
-                    f"{value:.4g}: {html.escape(message)}</li>"
+                    f"{plain(value, 4)}: {html.escape(message)}</li>"
                 )
     return f"<h2>Messages</h2><ul>{''.join(items)}</ul>" if items else ""

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..figures import GREY, INK, new_figure, save
+from ...numbers import plain, quantity
+from ..figures import GREY, INK, PALETTE, logarithmic, new_figure, save
 from .probe import ACCURATE, FAILED, INACCURATE, UNKNOWN, UNSTABLE
 from .stability_map import Column, StabilityMap
 
@@ -17,20 +18,24 @@ __all__ = ["draw"]
 
 #: of the verdicts, told apart in grey as well
 OUTCOME_COLOURS = {
-    ACCURATE: "#cfe8dc",
-    INACCURATE: "#f6d99a",
-    UNSTABLE: "#d98a6a",
-    FAILED: "#7d7a8c",
-    UNKNOWN: "#ffffff",
+    ACCURATE: PALETTE["accurate"],
+    INACCURATE: PALETTE["inaccurate"],
+    UNSTABLE: PALETTE["unstable"],
+    FAILED: PALETTE["failed"],
+    UNKNOWN: PALETTE["paper"],
 }
-STABLE = "#a03010"
+STABLE = PALETTE["stable"]
 
 
 def draw(maps: Sequence[StabilityMap], label: str, out: Path) -> list[Path]:
-    """Write OUT.png and OUT.svg; `label` of the varied parameter, with its unit."""
+    """Write OUT.png and the SVGs beside it; `label` of the varied parameter, with its unit."""
+    return save(lambda stacked: _drawn(maps, label, stacked), out)
+
+
+def _drawn(maps: Sequence[StabilityMap], label: str, stacked: bool) -> Any:
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
-    figure, panels = new_figure(3.1 * len(maps), 3.9, len(maps))
+    figure, panels = new_figure(3.6, 3.9, len(maps), stacked=stacked)
     kinds = list(OUTCOME_COLOURS)
     colours = ListedColormap(list(OUTCOME_COLOURS.values()))
     norm = BoundaryNorm(np.arange(len(kinds) + 1) - 0.5, len(kinds))
@@ -48,25 +53,29 @@ def draw(maps: Sequence[StabilityMap], label: str, out: Path) -> list[Path]:
         _line(axes, one.columns, "at_rest", INK, "--", 1.1)
         _line(axes, one.columns, "in_motion", INK, ":", 1.3)
         if scale == "log":
-            axes.set_xscale("log")
+            logarithmic(axes.xaxis)
         elif scale == "symlog":
             # zero is as far from the least value as a decade
             axes.set_xscale("symlog", linthresh=_least(x), linscale=1.0)
             axes.set_xticks([v for v in x if v == 0.0 or round(math.log10(abs(v) / _least(x))) % 2])
+            axes.xaxis.set_major_formatter(lambda value, _: plain(value))
         axes.set_xlim(edges[0], edges[-1])
-        axes.set_yscale("log")
+        logarithmic(
+            axes.yaxis, (lambda x: quantity(x, "s")) if one.size_is != "tolerance" else plain
+        )
         axes.set_ylim(
             min(column.sizes[0] for column in one.columns),
             max(column.sizes[-1] for column in one.columns),
         )
         axes.set_xlabel(label, fontsize=8.5, color=INK)
-        if i == 0 or one.size_is != maps[i - 1].size_is:
-            axes.set_ylabel(one.size_is, fontsize=8.5, color=INK)
+        first = axes.get_subplotspec().is_first_col()
+        if first or one.size_is != maps[i - 1].size_is:
+            axes.set_ylabel(one.size_is.removesuffix(" (s)"), fontsize=8.5, color=INK)
         axes.set_title(one.method, fontsize=9.5, color=INK, loc="left")
         axes.minorticks_off()
         axes.tick_params(axis="x", labelrotation=0 if scale == "linear" else 45)
-    _legend(figure, len(maps))
-    return save(figure, out)
+    _legend(figure, 2 if stacked else 5)
+    return figure
 
 
 def _scale(x: Any) -> str:
@@ -123,7 +132,7 @@ def _line(
     axes.plot([c.value for c in columns], y, dashes, color=colour, linewidth=width)
 
 
-def _legend(figure: Any, panels: int) -> None:
+def _legend(figure: Any, columns: int) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -138,6 +147,6 @@ def _legend(figure: Any, panels: int) -> None:
         Line2D([], [], color=INK, linestyle=":", label="linear theory along the motion"),
     ]
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(5, 1 + panels), fontsize=7.5,
-        frameon=False,
+        handles=handles, loc="outside lower center", ncols=columns, fontsize=8, frameon=False,
+        labelcolor=INK,
     )  # fmt: skip

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import CurveboundError
-from ..figures import GREY, INK, new_figure, save
+from ..figures import GREY, INK, logarithmic, new_figure, save
 from .design import Design
 from .store import read_sweep
 
@@ -35,10 +35,17 @@ def draw_heat_map(table: Path, design: Design, metrics: Sequence[str], out: Path
     header, rows = read_sweep(table)
     x, y = design.axes
     columns = [np.array([row[header.index(a.path)] for row in rows], dtype=float) for a in (x, y)]
-    shown = list(metrics)[:_MOST]
-    figure, axes = new_figure(4.2 * len(shown) + 0.4, 3.9, len(shown))
-    for one, metric in zip(axes, shown, strict=True):
-        values = np.array([row[header.index(metric)] for row in rows], dtype=float)
+    shown = {
+        metric: np.array([row[header.index(metric)] for row in rows], dtype=float)
+        for metric in list(metrics)[:_MOST]
+    }
+    return save(lambda _: _drawn(design, columns, shown), out, narrow=False)
+
+
+def _drawn(design: Design, columns: list[Any], shown: dict[str, Any]) -> Any:
+    x, y = design.axes
+    figure, axes = new_figure(4.2, 3.9, len(shown))
+    for one, (metric, values) in zip(axes, shown.items(), strict=True):
         drawn = _draw(one, design, columns, values)
         if drawn is not None:
             bar = figure.colorbar(drawn, ax=one, shrink=0.9)
@@ -50,10 +57,10 @@ def draw_heat_map(table: Path, design: Design, metrics: Sequence[str], out: Path
         one.set_xlabel(x.path, fontsize=8, color=INK)
         one.set_ylabel(y.path, fontsize=8, color=INK)
         if x.logarithmic and x.low > 0.0:
-            one.set_xscale("log")
+            logarithmic(one.xaxis)
         if y.logarithmic and y.low > 0.0:
-            one.set_yscale("log")
-    return save(figure, out)
+            logarithmic(one.yaxis)
+    return figure
 
 
 def _draw(axes: Any, design: Design, columns: list[Any], values: Any) -> Any:
