@@ -105,8 +105,10 @@ class Contexts:
                 command, cwd=self.copy, env=environment, stdout=log, stderr=log, check=False
             )
         for part in self.folder.glob("coverage.*.*"):
+            held = CoverageData(basename=str(part))
             try:
-                CoverageData(basename=str(part)).read()
+                held.read()
+                CoverageData(no_disk=True).update(held)
             except CoverageException:  # cut short by a test of full disks
                 part.unlink()
         combine = [sys.executable, "-m", "coverage", "combine", f"--rcfile={settings}", "--append"]

@@ -92,8 +92,8 @@ def test_a_system_from_elsewhere_is_drawn(tmp_path: Path, how: str) -> None:
     source = folder / "fmu.py"
     source.write_text(source.read_text().replace('"BeadOnWire"', '"Loop"'))
     drawing = folder / "drawing.py"
-    drawing.write_text(drawing.read_text().replace('Point("bead"', 'Point("ring"', 1))
-    drawing.write_text(drawing.read_text().replace('holds="bead"', 'holds="ring"', 1))
+    text = drawing.read_text().replace('"bead"', '"ring"')
+    drawing.write_text(text.replace('mass_arrows("ring")', 'mass_arrows("bead", "ring")'))
     data = bead(1.0, 0.01)
     arguments = ["replay", str(write_csv(data, tmp_path / "own.csv"))]
     if how == "FMU":
