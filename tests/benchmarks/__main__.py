@@ -3,7 +3,7 @@
     python tests/benchmarks                   everything, one after the other (hours)
     python tests/benchmarks GROUP [...]       one group; GROUP --help shows its arguments
 
-groups: cost, start, pythons, macro, sweep, tune, facts, long, maps, live
+groups: cost, start, pythons, macro, holds, sweep, tune, facts, long, maps, live
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ if __name__ == "__main__":  # this folder is found as `benchmarks`, not its file
 from benchmarks import (
     cost,
     facts,
+    holds,
     live,
     long_runs_command,
     macro_step,
@@ -35,6 +36,7 @@ GROUPS = {
     "start": (start, "CPU time of the command line's start"),
     "pythons": (pythons, "one FMU file under each CPython, in fmpy and in a C host"),
     "macro": (macro_step, "a macro step of a scene here and in other tools that read SSP"),
+    "holds": (holds, "a macro step with inputs linear in time beside one with inputs held"),
     "sweep": (sweep_speed, "two workers against one, and against fmpy.simulate_fmu in a loop"),
     "tune": (promises_command, "bounds met on fresh starts, and the cost beside the whole grid's"),
     "facts": (facts, "known facts about both systems, measured anew"),

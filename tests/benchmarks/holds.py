@@ -1,0 +1,76 @@
+"""What a macro step costs with inputs linear in time over it, beside one with inputs held.
+
+Each plant is driven by a function of time, with both holds in turn: CPU microseconds per macro step
+of 10 ms, the least of the rounds, set-up excluded, and the median of the ratios.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from contextlib import ExitStack
+from statistics import median
+
+from curvebound.cosim import Scene
+from curvebound.cosim.prepared import Prepared
+
+__all__ = ["configure", "run"]
+
+STEP = 0.01
+#: FMU, driven input, recorded output
+PLANTS = (
+    ("BeadOnWire", "wire.ax", "bead.angle"),
+    ("ParabolaPendulum", "parabola.ax", "pendulum.angle"),
+)
+METHODS: tuple[tuple[str, dict[str, float | str]], ...] = (
+    ("rk4, 1 internal step", {"solver.method": "rk4", "solver.step": STEP}),
+    ("rk4, 10 internal steps", {"solver.method": "rk4", "solver.step": 0.1 * STEP}),
+    ("adaptive, 1e-6", {"solver.method": "adaptive", "solver.tolerance": 1e-6}),
+    ("adaptive, 1e-10", {"solver.method": "adaptive", "solver.tolerance": 1e-10}),
+)
+
+
+def scene(fmu: str, driven: str, output: str, start: dict[str, float | str], hold: str) -> Scene:
+    """One plant, driven by a sine; nothing recorded between start and end."""
+    made = Scene("held", stop_time=1.0, step=STEP, hold=hold, record_every=10**9)
+    made.add("plant", fmu, start).input(f"plant.{driven}", lambda t: 0.5 * math.sin(2.0 * t))
+    return made.record(f"plant.{output}")
+
+
+def cost(prepared: Prepared, steps: int) -> float:
+    """CPU seconds of a run over so many macro steps."""
+    began = time.process_time()
+    prepared.run(stop_time=steps * STEP)
+    return time.process_time() - began
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("--steps", type=int, default=1000)
+    parser.add_argument("--rounds", type=int, default=15)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the table."""
+    print("us per macro step        zero    first    ratio")
+    for fmu, driven, output in PLANTS:
+        print(fmu)
+        for name, start in METHODS:
+            found: dict[str, list[float]] = {"zero": [], "first": []}
+            with ExitStack() as stack:
+                ready = {
+                    hold: stack.enter_context(Prepared(scene(fmu, driven, output, start, hold)))
+                    for hold in found
+                }
+                for prepared in ready.values():
+                    cost(prepared, 10)
+                for _ in range(options.rounds):
+                    for hold, prepared in ready.items():
+                        set_up = cost(prepared, 1)
+                        spent = cost(prepared, options.steps + 1) - set_up
+                        found[hold].append(1e6 * spent / options.steps)
+            ratio = median(b / a for a, b in zip(found["zero"], found["first"], strict=True))
+            zero, first = (min(values) for values in found.values())
+            print(f"  {name:22s} {zero:6.2f}   {first:6.2f}   {ratio:6.2f}")
+    return 0
