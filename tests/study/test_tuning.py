@@ -201,10 +201,7 @@ def test_a_choice_is_written_once_and_replaced(short: Tuner, tmp_path: Path) -> 
         script_of("a.ssp")
 
 
-def test_a_study_resumes_and_finds_the_order(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("curvebound.study.runner._ENOUGH", 0.0)  # costs are not tested
+def test_a_study_resumes_and_finds_the_order(tmp_path: Path) -> None:
     scene = load_scene("bead_on_wire")
     scene.stop_time = 0.5
     journal = tmp_path / "study.jsonl"

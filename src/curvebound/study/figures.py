@@ -105,6 +105,7 @@ def save(draw: Callable[[bool], Any], out: Path, *, narrow: bool = True) -> list
         if not stacked:
             png = base.with_name(base.name + ".png")
             written.append(write_whole(png, lambda path, one=figure: one.savefig(path, dpi=130)))  # type: ignore[misc]
+            figure.set_layout_engine("none")  # it is laid out now
         svg = base.with_name(base.name + (NARROW if stacked else "") + ".svg")
         with rc_context({"svg.fonttype": "none", "svg.hashsalt": "curvebound"}):
             written.append(write_whole(svg, lambda path, one=figure: _write_svg(one, path)))  # type: ignore[misc]

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["Outcome", "Runner"]
 
 _KEPT = 2000  # communication points that a run is judged by, at most
-_ENOUGH = 0.03  # s of CPU time after which a cost is known well enough
 _MEASURES = ("energy.residual", "constraint.drift", "model.acceleration_error", "energy.kinetic")
 _COUNTS = ("solver.steps", "solver.evaluations")
 
@@ -135,21 +134,21 @@ class Runner:
                 outcome.counts[name] = sum(counted)
         return outcome
 
-    def cost(self, setting: Setting, start: Mapping[str, Value] | None = None) -> float:
-        """CPU time per simulated second, set-up excluded: the median of some runs."""
-        return median(self.costs(setting, start))
+    def cost(self, setting: Setting, *, runs: int = 3, enough: float = 0.03) -> float:
+        """CPU time per simulated second, set-up excluded: the median of some runs.
 
-    def costs(self, setting: Setting, start: Mapping[str, Value] | None = None) -> list[float]:
-        """CPU time per simulated second of some runs, set-up excluded: how much they differ."""
+        runs: at least so many, but where one takes more than 0.3 s; enough: s of CPU time after
+        which they are, and 15 at most.
+        """
         prepared = self._ready(setting, False)
-        values = {**(start or {}), **self.space.start(setting)}
+        values = self.space.start(setting)
         prepared.scene.record_every = 1
         tiny = 1e-9 * self.span
         begin, end = self.scene.start_time, self.scene.stop_time
         spent: list[float] = []
         set_up: list[float] = []
         speed = _meter.read()
-        while len(spent) < 3 or (sum(spent) < _ENOUGH and len(spent) < 15):
+        while len(spent) < runs or (sum(spent) < enough and len(spent) < 15):
             for stop, step, found in (
                 (end, setting.step, spent),
                 (begin + tiny, tiny, set_up),
@@ -160,7 +159,7 @@ class Runner:
             if spent[0] > 0.3:
                 break
         own = median(set_up)
-        return [max(one - own, _SHORTEST) / self.span for one in spent]
+        return max(median(spent) - own, _SHORTEST) / self.span
 
     @staticmethod
     def _timed(prepared: Prepared, values: dict[str, Value], step: float, stop: float) -> float:
