@@ -15,6 +15,7 @@ from interface_table import INTERFACE
 from source_copies import build_edited, build_from, copy_sources, declarations
 
 from curvebound.errors import CurveboundError
+from curvebound.fmi import binaries
 from curvebound.fmi.build import build
 from curvebound.fmi.compile import why_not
 
@@ -201,3 +202,16 @@ def test_a_build_that_fails_leaves_the_old_fmu(tmp_path, monkeypatch) -> None:
         build("ParabolaDrive", tmp_path, compiled=False)
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_pythonfmus_binary_offers_no_derivatives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It cannot pass them on: nothing is promised on any system."""
+    monkeypatch.setattr(binaries, "compile_binary", lambda _: None)
+    monkeypatch.setattr(binaries, "why_not", lambda *_: "not here")
+    offered = head(build("BeadOnWire", tmp_path, compiled=False).path).find("CoSimulation")
+    assert offered is not None
+    assert offered.get("providesDirectionalDerivative") == "false"
+    assert offered.get("canInterpolateInputs") == "false"
+    assert offered.get("maxOutputDerivativeOrder") == "0"

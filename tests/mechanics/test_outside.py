@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import curvebound
-from curvebound.checks import kernel_follows_mechanics
+from curvebound.checks import changes_follow_outputs, kernel_follows_mechanics
 from curvebound.cli import main
 from curvebound.cosim import load_scene
 
@@ -53,6 +53,7 @@ def test_it_builds_runs_and_is_drawn(system: Path) -> None:
     assert f'"kind":"{name_of(system)}"' in Path("run.html").read_text(encoding="utf-8")
     assert main(["replay", "run.csv", "--system", system.name, "--out", "again.html"]) == 0
     kernel_follows_mechanics(system)
+    changes_follow_outputs(system)
     result = load_scene(system / "scene.py").run()
     (residual,) = (n for n in result.names if n.endswith("energy.residual"))
     (total,) = (n for n in result.names if n.endswith("energy.total"))

@@ -79,7 +79,7 @@ def test_a_smooth_drive_is_tuned_to_slopes(tmp_path: Path) -> None:
     script = tmp_path / "pushed.py"
     script.write_text(
         "import math\nfrom curvebound.cosim import Scene\n"
-        'scene = Scene("pushed", stop_time=2.0, step=0.02)\n'
+        'scene = Scene("pushed", stop_time=1.0, step=0.02)\n'
         'scene.add("bead", "BeadOnWire", {"bead.angle_start": 0.3})\n'
         'scene.input("bead.wire.ax", lambda t: 3.0 * math.sin(4.0 * t))\n'
         'scene.record("bead.bead.angle")\n',
