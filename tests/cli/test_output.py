@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from curvebound.cli import main
+from curvebound.errors import CurveboundError
 
 
 def given(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
@@ -79,3 +80,27 @@ def test_warnings_of_the_program_follow_the_level(
     assert capsys.readouterr().err == "careful\n"
     assert main(["list", "--log-level", "error"]) == 0
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "recorded"),
+    [([], []), (["--replay"], ["bead.*"]), (["--picture", "a.png"], ["bead.*"]),
+     (["--gif", "a.gif"], ["bead.*"])],
+    ids=str,
+)  # fmt: skip
+def test_what_is_drawn_is_recorded(words, recorded, tmp_path: Path, monkeypatch) -> None:
+    """Of a scene that names nothing to record; without a picture it is left at that."""
+    script = tmp_path / "bare.py"
+    script.write_text(
+        "from curvebound.cosim import Scene\n"
+        "scene = Scene('bare', stop_time=1.0, step=0.1).add('bead', 'BeadOnWire')\n"
+    )
+    seen = []
+
+    def run_all(scene, options):
+        seen.append(list(scene.recorded))
+        raise CurveboundError("that is all")
+
+    monkeypatch.setattr("curvebound.cosim.command.run_all", run_all)
+    assert main(["run", str(script), *words]) == 1
+    assert seen == [recorded]
