@@ -13,6 +13,7 @@ scene = Scene(
     stop_time=20.0,
     step=0.01,
     needs={"plant.slider.u": 1e-2, "plant.pendulum.angle": 1e-2},
+    lesson=9,
 )
 scene.add(
     "drive",

@@ -15,6 +15,7 @@ scene = Scene(
     stop_time=10.0,
     step=0.01,
     needs={"bead.bead.x": 1e-6, "bead.bead.y": 1e-6},
+    lesson=1,
 )
 scene.add(
     "bead",

@@ -13,6 +13,7 @@ scene = Scene(
     stop_time=10.0,
     step=0.01,
     needs={"plant.slider.u": 1e-3, "plant.pendulum.angle": 1e-3},
+    lesson=3,
 )
 scene.add(
     "plant",

@@ -30,6 +30,7 @@ scene = Scene(
     stop_time=40.0,
     step=STEP,
     needs={"plant.slider.u": 1e-3, "plant.pendulum.angle": 1e-3},
+    lesson=6,
 )
 scene.add(
     "drive",

@@ -26,6 +26,7 @@ scene = Scene(
     stop_time=20.0,
     step=STEP,
     needs={"bead.bead.angle": 1e-4},
+    lesson=4,
 )
 scene.add("bead", "BeadOnWire", {"model.formulation": "angle", "bead.angle_start": 0.05})
 scene.input("bead.wire.ay", shaking)

@@ -18,6 +18,7 @@ scene = Scene(
     stop_time=20.0,
     step=STEP,
     needs={"plant.slider.u": 1e-3, "plant.pendulum.angle": 1e-3},
+    lesson=5,
 )
 scene.add(
     "drive",

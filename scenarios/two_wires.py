@@ -18,6 +18,7 @@ scene = Scene(
     stop_time=60.0,
     step=STEP,
     needs={"bead_angle.bead.x": 1e-3, "bead_angle.bead.y": 1e-3},
+    lesson=8,
 )
 scene.add(
     "drive",

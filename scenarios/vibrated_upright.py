@@ -21,6 +21,7 @@ scene = Scene(
     step=STEP,
     record_every=5,
     needs={"plant.pendulum.angle": 1e-2},
+    lesson=7,
 )
 scene.add(
     "drive",

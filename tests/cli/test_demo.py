@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from curvebound.cli import main
-from curvebound.cosim import Scene, load_scene
+from curvebound.cli.demo import _place
+from curvebound.cosim import Scene, load_scene, scene_names
 from curvebound.errors import CurveboundError
 from curvebound.view import read_result
 
@@ -46,7 +47,12 @@ def test_demo_runs_what_it_built(
     assert row["drift"] is None
     assert (tmp_path / "pendulum_small.csv").is_file()
     assert (tmp_path / "pendulum_small.html").is_file()
-    assert "pendulum_small" in (tmp_path / "index.html").read_text(encoding="utf-8")
+    gallery = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "pendulum_small" in gallery
+    assert "Each card is a scene" in gallery
+    assert gallery.count('href="documentation/ParabolaPendulum/index.html"') == 2, "page and card"
+    assert gallery.count('href="documentation/BeadOnWire/index.html"') == 1
+    assert (tmp_path / "documentation/ParabolaPendulum/reference.csv").is_file()
 
 
 def test_demo_fails_where_a_scene_misses_its_need(
@@ -105,3 +111,18 @@ def test_the_scenes_need_no_extra_and_what_is_missing_is_said_once(tmp_path: Pat
     assert done.stdout.count("not installed") == 1
     assert "pip install 'curvebound[plots]'" in " ".join(done.stdout.split())
     assert done.stderr == ""
+
+
+def test_the_gallery_is_a_course() -> None:
+    """One body, small and large; then coupled ones; then feedback."""
+    scenes = sorted(map(load_scene, scene_names()), key=lambda scene: _place((scene, None)))  # type: ignore[arg-type]
+    assert [scene.lesson for scene in scenes] == list(range(1, len(scenes) + 1))
+    alone = [len(scene.components) == 1 for scene in scenes]
+    assert alone == sorted(alone, reverse=True), "one FMU alone before coupled ones"
+    fed_back = [
+        any(name.startswith("feedback.") for one in scene.components.values() for name in one.start)
+        for scene in scenes
+    ]
+    assert fed_back == sorted(fed_back), "feedback is last"
+    stray = Scene("a_scene", stop_time=1.0, step=0.1)
+    assert _place((stray, None)) > _place((scenes[-1], None))  # type: ignore[arg-type]

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from curvebound.numbers import plain, quantity
+
 __all__ = ["BLOCKS", "DOCUMENTS", "block", "blocks_in", "put"]
 
 Data = dict[str, Any]
@@ -27,22 +29,16 @@ def _demo(data: Data) -> str:
         "scene             simulated    wall  steps  |residual|    |drift|",
     ]
     for name, one in data["scenes"].items():
-        drift = "" if one["drift"] is None else f"{one['drift']:.1e} m"
+        drift = "" if one["drift"] is None else quantity(one["drift"], "m", 2)
         lines.append(
             f"{name:17} {one['simulated']:>7g} s {one['wall']:>5.2f} s {one['steps']:>6d}  "
-            f"{one['residual']:>8.1e} J  {drift:>9}".rstrip()
+            f"{quantity(one['residual'], 'J', 2):>10}  {drift:>9}".rstrip()
         )
     return "```text\n" + "\n".join(lines) + "\n```\n"
 
 
-def _power(value: float) -> str:
-    """Two digits, with the exponent as one writes it."""
-    digits, _, exponent = f"{value:.1e}".partition("e")
-    return f"{digits}e{int(exponent)}"
-
-
 def _errors(data: Data) -> str:
-    found = {name: _power(value) for name, value in data.items()}
+    found = {name: plain(value, 2) for name, value in data.items()}
     form = "| bead | rk4, 1 ms, `lagrange_multiplier` with"
     return (
         "| system | setting | error |\n| --- | --- | --- |\n"
@@ -56,7 +52,7 @@ def _errors(data: Data) -> str:
 
 
 def _models(data: Data) -> str:
-    times = {name: f"{float(f'{value:.2g}'):g} times" for name, value in data.items()}
+    times = {name: f"{plain(value, 2)} times" for name, value in data.items()}
     return (
         f"- **Formulation:** at the same step of `rk4`, `projection` has {times['projection']} the "
         f"error of\n  `angle`, `baumgarte` {times['baumgarte']}, and `none` {times['none']}, which "
@@ -87,10 +83,7 @@ def _costs(system: str) -> Callable[[Data], str]:
         head = f'<div class="scroll"><table><tr><th>method{levels}</tr>\n'
         rows = [
             f"<tr><td>{method}"
-            + "".join(
-                '<td class="n">' + ("&ndash;" if x is None else f"{float(f'{x:.3g}'):g}")
-                for x in costs
-            )
+            + "".join('<td class="n">' + ("&ndash;" if x is None else plain(x)) for x in costs)
             + "</tr>\n"
             for method, costs in data["costs"][system].items()
             if any(x is not None for x in costs)
@@ -101,7 +94,7 @@ def _costs(system: str) -> Callable[[Data], str]:
 
 
 def _forms(data: Data) -> str:
-    times = {name: f"{float(f'{value:.2g}'):g}" for name, value in data.items()}
+    times = {name: plain(value, 2) for name, value in data.items()}
     return (
         f"At the same step of rk4\nprojection has {times['projection']} times the error of the "
         f"angle, baumgarte {times['baumgarte']} times and no stabilisation {times['none']} times.\n"
@@ -118,7 +111,7 @@ def _fidelity(data: Data) -> str:
 def _exact(data: Data) -> str:
     return (
         "<p>linear: exact has no error at any communication step "
-        f"({_power(data['exact'])} after 10 s).</p>\n"
+        f"({plain(data['exact'], 2)} after 10 s).</p>\n"
     )
 
 

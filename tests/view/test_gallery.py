@@ -8,6 +8,7 @@ from urllib.parse import unquote
 
 import pytest
 from browsing import Tab
+from legible import VIEWS, boxes, look
 from motions import bead
 
 from curvebound.view import Card, write_gallery, write_picture, write_replay
@@ -32,7 +33,7 @@ def gallery(tmp_path: Path) -> Path:
     card = Card(
         title="bead & <wire>",
         shows="A bead slides.",
-        picture=write_picture(data, folder / "pictures" / "bead on a wire.png"),
+        picture=write_picture(data, folder / "pictures" / "bead on a wire.png", stacked=True),
         settings={"method": "rk4, 1 ms", "formulation": "<angle>"},
         error="2e-12 J",
         cost="2.1 us a step",
@@ -78,3 +79,16 @@ def test_in_the_browser(tab: Tab, gallery: Path) -> None:
     tab.run("document.querySelector('nav a').click()")
     tab.wait("document.documentElement.dataset.ready")
     assert tab.run("curvebound.model.results[0].label") == "bead"
+
+
+def test_it_is_read_on_any_screen(tab: Tab, gallery: Path) -> None:
+    """Letters of a picture, drawn at 7 points for the width of a phone, keep their size."""
+    for view in VIEWS:
+        look(tab, gallery, view)
+        tab.run("document.images[0].scrollIntoView()")
+        tab.wait("document.images[0].naturalWidth")
+        (image,) = boxes(tab, "article img")
+        pixels_per_inch = 200
+        inches = tab.run("document.images[0].naturalWidth") / pixels_per_inch
+        assert image["width"] > 0.9 * inches * 96
+        assert image["right"] <= view[0]

@@ -7,10 +7,12 @@ example:
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError
+from ..numbers import plain, quantity
 from ..output import console_of, hand_out
 from ..progress import Progress
 
@@ -20,6 +22,13 @@ if TYPE_CHECKING:
 NAME = "demo"
 HELP = "build the FMUs, run every scene, show what comes out"
 AS_JSON = True
+
+
+_INTRODUCTION = (
+    "Each card is a scene that curvebound demo has run: FMUs of bodies bound to curves, from one "
+    "body alone over coupled ones to feedback. The replay shows it move; the documentation of each "
+    "FMU has its equations, variables and reference result."
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -111,7 +120,7 @@ def _run(options: argparse.Namespace) -> int:
     console.print(f"results: {out}/*.csv")
     pictures = missing("plots")
     with Progress("drawing the gallery"):
-        console.print(f"gallery: {_gallery(results, out, with_pictures=not pictures)}")
+        console.print(f"gallery: {_gallery(results, built, out, with_pictures=not pictures)}")
     if pictures:
         console.print(f"no pictures in it: {pictures}", soft_wrap=True, markup=False)
     for failure in failures:
@@ -120,17 +129,28 @@ def _run(options: argparse.Namespace) -> int:
     return 1 if failures else 0
 
 
-def _gallery(results: list[tuple[Scene, Result]], out: Path, *, with_pictures: bool) -> Path:
-    """A page with a card per scene."""
+def _gallery(
+    results: list[tuple[Scene, Result]], built: dict[str, Path], out: Path, *, with_pictures: bool
+) -> Path:
+    """A page with a card per scene, in the order of a course, and the documentation of each FMU."""
     from ..files import inside
+    from ..fmi.documentation import unpack_documentation
     from ..view import About, Card, write_gallery, write_picture, write_replay
 
+    pages = {
+        fmu: (
+            f"{name}: documentation",
+            unpack_documentation(fmu, inside(out / "documentation", name)),
+        )
+        for name, fmu in built.items()
+    }
     cards = []
-    for scene, result in results:
+    for scene, result in sorted(results, key=_place):
+        sources = [component.source for component in scene.components.values()]
         picture: Path | None = None
         if with_pictures:
             drawn = inside(out, scene.name, ".png")
-            picture = write_picture(result, drawn, title=scene.name)
+            picture = write_picture(result, drawn, stacked=True)
         replay = write_replay(
             [(scene.name, result)],
             inside(out, scene.name, ".html"),
@@ -143,26 +163,36 @@ def _gallery(results: list[tuple[Scene, Result]], out: Path, *, with_pictures: b
                 picture,
                 settings=_settings(scene),
                 error=f"energy residual {_largest(result, '.energy.residual', 'J')}",
-                cost=f"{result.wall:.2f} s of wall time, set-up included",
+                cost=f"{quantity(result.wall, 's', 2)} of wall time, set-up included",
                 links={
                     "replay": replay,
                     "study": inside(out / "study", scene.name) / "index.html",
                     "stability": inside(out / "stability", scene.name) / "index.html",
+                    **dict(pages[source] for source in sources if source in pages),
                 },
             )
         )
-    return write_gallery(cards, out / "index.html")
+    links = dict(pages.values())
+    return write_gallery(cards, out / "index.html", introduction=_INTRODUCTION, links=links)
+
+
+def _place(run: tuple[Scene, Result]) -> tuple[float, str]:
+    """Lessons in their order, then the other scenes by name."""
+    scene, _ = run
+    return (math.inf if scene.lesson is None else scene.lesson, scene.name)
 
 
 def _settings(scene: Scene) -> dict[str, str]:
     """What distinguishes the scene's numerics."""
-    settings = {"communication step": f"{scene.step:g} s"}
+    settings = {"communication step": quantity(scene.step, "s")}
     if len(scene.components) > 1:
         settings["algorithm"] = scene.algorithm
     for component in scene.components.values():
         for name, value in component.start.items():
             if name.startswith(("solver.", "model.", "constraint.stabilization")):
-                settings[f"{component.name}.{name}"] = str(value)
+                settings[f"{component.name}.{name}"] = (
+                    plain(value) if isinstance(value, float) else str(value)
+                )
     return settings
 
 
@@ -191,7 +221,7 @@ def _last(result: Result, ending: str) -> int:
 
 def _largest(result: Result, ending: str, unit: str) -> str:
     value = _most(result, ending)
-    return "" if value is None else f"{value:.1e} {unit}"
+    return "" if value is None else quantity(value, unit, 2)
 
 
 def _most(result: Result, ending: str) -> float | None:

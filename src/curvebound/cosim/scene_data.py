@@ -43,6 +43,7 @@ class SceneData:
         tolerance: float | None = None,
         record_every: int = 1,
         needs: Mapping[str, float] | Needs | None = None,
+        lesson: int | None = None,
     ) -> None:
         """An empty scene.
 
@@ -77,6 +78,8 @@ class SceneData:
             Keep each n-th communication point only (and the last).
         needs : mapping of str to float, or Needs, optional
             Largest error allowed by output path, in the unit of the output.
+        lesson : int, optional
+            Its place in a course: the gallery shows scenes in this order, others behind them.
 
         Raises
         ------
@@ -97,6 +100,7 @@ class SceneData:
         self.tolerance = tolerance
         self.record_every = record_every
         self.needs = needs if isinstance(needs, Needs) else Needs(dict(needs or {}))
+        self.lesson = lesson
         self.components: dict[str, Component] = {}
         self.connections: list[Connection] = []
         self.matches: list[tuple[str, str]] = []

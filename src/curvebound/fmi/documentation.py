@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import zipfile
 from html import escape
 from importlib.metadata import distribution
+from pathlib import Path
 
 from .. import __version__
 from ..cells import defused
+from ..files import write_whole
 from ..numbers import plain
 from ..pages import Html, report, table
 from ..places import license_text
@@ -17,7 +20,7 @@ from .reference import ReferenceResult, reference_result
 from .reference_plot import reference_plots
 from .sketch import Sketch, sketch_of
 
-__all__ = ["csv_text", "documentation_files"]
+__all__ = ["csv_text", "documentation_files", "unpack_documentation"]
 
 
 def documentation_files(folder: Folder, drawing: Drawing) -> dict[str, bytes]:
@@ -42,6 +45,17 @@ def documentation_files(folder: Folder, drawing: Drawing) -> dict[str, bytes]:
     for picture in sorted(folder.path.glob("*.svg")):
         files[f"documentation/{picture.name}"] = picture.read_bytes()
     return files
+
+
+def unpack_documentation(fmu: Path, folder: Path) -> Path:
+    """Write the documentation in a built FMU into `folder`; its page."""
+    with zipfile.ZipFile(fmu) as archive:
+        for name in archive.namelist():
+            if name.startswith("documentation/"):
+                data = archive.read(name)
+                out = folder / name.removeprefix("documentation/")
+                write_whole(out, lambda path, data=data: path.write_bytes(data))  # type: ignore[misc]
+    return folder / "index.html"
 
 
 def csv_text(columns: dict[str, list[float]]) -> str:

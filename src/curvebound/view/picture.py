@@ -17,7 +17,7 @@ from .geometry import distances
 from .quantities import plots_of, quantity
 from .quivers import Quivers
 from .reading import Results
-from .stage import GREY, INK, Cast, Stage, as_floats, colour_of, figure, save_small
+from .stage import INK, Cast, Stage, as_floats, colour_of, figure, save_small
 
 __all__ = ["write_picture"]
 
@@ -25,6 +25,7 @@ _FLASHES = 10
 _PLOTS = 3
 _DASHES = ("-", (0, (4, 2)), (0, (1, 1.5)))
 _DPI = 100
+_STACKED = 3.9  # inches, about the width of a phone
 _ROUNDING = 1e-13
 
 
@@ -34,14 +35,17 @@ def write_picture(
     title: str | None = None,
     known: Sequence[Drawing] = (),
     arrows: str = "",
+    *,
+    stacked: bool = False,
 ) -> Path:
     """Draw results to the PNG `out`: one Result or structured array, or pairs of a label and one.
 
     Columns are `time` in s and `component.variable` in SI units; those of a structured array are
     recognised as a system's of the package or of the drawings `known`. Several results share the
     picture, each in its colour. `arrows`: of velocities and forces, by their names with commas
-    between, or "all", at the last instant that is drawn. Raises CurveboundError where matplotlib is
-    missing, there is nothing to draw, or what an arrow needs is not recorded.
+    between, or "all", at the last instant that is drawn. stacked: the plots below the drawing, for
+    cards and phones. Raises CurveboundError where matplotlib is missing, there is nothing to draw,
+    or what an arrow needs is not recorded.
     """
     cast = Cast(results, known)
     plots = _plots(cast)[: _PLOTS if cast.actors else 4]
@@ -49,25 +53,44 @@ def write_picture(
         raise CurveboundError(
             "There is nothing to draw: no column besides `time` holds numbers that vary."
         )
-    drawn = figure(9.0 if cast.actors else 6.4, 4.6, _DPI)
-    grid = drawn.add_gridspec(
-        max(len(plots), 1), 2 if cast.actors else 1,
-        width_ratios=(1.15, 1.0) if cast.actors else None,
-        left=0.05 if cast.actors else 0.12, right=0.985, bottom=0.1, top=0.9 if title else 0.95,
-        wspace=0.17, hspace=0.45,
-    )  # fmt: skip
+    layout = _stacked if stacked else _beside
+    drawn, grid = layout(bool(cast.actors), len(plots), title is not None)
     if title:
         drawn.suptitle(title, x=0.015, ha="left", fontsize=11, fontweight="bold", color=INK)
     if cast.actors:
         if not plots:
             grid = drawn.add_gridspec(1, 1)
-        _strobe(drawn.add_subplot(grid[:, 0]), cast, arrows)
+        _strobe(drawn.add_subplot(grid[0, 0] if stacked else grid[:, 0]), cast, arrows)
+    above = int(stacked and bool(cast.actors))
     for row, (heading, unit, logarithmic, series) in enumerate(plots):
-        axes = drawn.add_subplot(grid[row, -1])
+        axes = drawn.add_subplot(grid[row + above, -1])
         _over_time(axes, heading, unit, logarithmic, series)
         if row == len(plots) - 1:
-            axes.set_xlabel("time in s", fontsize=7.5, color=GREY, labelpad=1)
+            axes.set_xlabel("time in s", fontsize=7.5, color=INK, labelpad=1)
     return write_whole(out, lambda path: save_small(drawn, path))
+
+
+def _beside(actors: bool, plots: int, titled: bool) -> tuple[Any, Any]:
+    """A figure, and the grid in it: the drawing on the left, plots on the right."""
+    drawn = figure(9.0 if actors else 6.4, 4.6, _DPI)
+    grid = drawn.add_gridspec(
+        max(plots, 1), 2 if actors else 1, width_ratios=(1.15, 1.0) if actors else None,
+        left=0.05 if actors else 0.12, right=0.985, bottom=0.1, top=0.9 if titled else 0.95,
+        wspace=0.17, hspace=0.45,
+    )  # fmt: skip
+    return drawn, grid
+
+
+def _stacked(actors: bool, plots: int, titled: bool) -> tuple[Any, Any]:
+    """The same, one below the other."""
+    ratios = [2.4] * actors + [1.0] * plots
+    height = 1.15 * sum(ratios) + 0.45 + 0.3 * titled
+    drawn = figure(_STACKED, height, 2 * _DPI)
+    grid = drawn.add_gridspec(
+        len(ratios), 1, height_ratios=ratios, left=0.13, right=0.97, bottom=0.4 / height,
+        top=1.0 - (0.25 + 0.25 * titled) / height, hspace=0.5,
+    )  # fmt: skip
+    return drawn, grid
 
 
 def _strobe(axes: Any, cast: Cast, arrows: str) -> None:
@@ -93,7 +116,7 @@ def _strobe(axes: Any, cast: Cast, arrows: str) -> None:
         words = f"t = {end:.4g} s"
     if stage.relative:
         words += ", seen from the frame"
-    axes.set_title(f"{words}; m", fontsize=7.5, color=GREY, loc="left", pad=4)
+    axes.set_title(f"{words}; m", fontsize=7.5, color=INK, loc="left", pad=4)
     stage.legend(cast)
     Quivers(stage, cast, arrows).move(until if len(flashes) else None)
 
@@ -246,7 +269,7 @@ def _over_time(axes: Any, title: str, unit: str, logarithmic: bool, lines: list[
         )  # fmt: skip
     axes.margins(x=0.0)
     axes.grid(color="#e9edf2", linewidth=0.7)
-    axes.tick_params(colors=GREY, labelsize=7, length=2, color="#d5dbe3")
+    axes.tick_params(labelcolor=INK, labelsize=7, length=2, color="#d5dbe3")
     for spine in axes.spines.values():
         spine.set_color("#d5dbe3")
 

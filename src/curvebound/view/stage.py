@@ -204,7 +204,7 @@ class Stage:
         axes.set_ylim(middle_y - scale * box.height / 2.0, middle_y + scale * box.height / 2.0)
         for spine in axes.spines.values():
             spine.set_color("#d5dbe3")
-        axes.tick_params(colors=GREY, labelsize=7, length=2, color="#d5dbe3")
+        axes.tick_params(labelcolor=INK, labelsize=7, length=2, color="#d5dbe3")
         axes.locator_params(nbins=6)
         axes.grid(color="#eef1f5", linewidth=0.7)
         axes.set_axisbelow(True)
