@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import read_csv, write_csv
+from curvebound.cosim.results import Result
 from curvebound.errors import CurveboundError
 
 
@@ -64,3 +65,11 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path):
     path = tmp_path / "file" / "out.csv"
     with pytest.raises(CurveboundError, match=r"out\.csv cannot be written: .*another place"):
         write_csv(np.zeros(1, dtype=[("time", float)]), path)
+
+
+def test_a_result_says_what_it_is_and_has():
+    data = np.zeros(3, dtype=[("time", float), ("plant.x", float), ("plant.angle", float)])
+    result = Result("fall", data)
+    assert repr(result) == "<Result of fall: 3 points, 0 to 0 s, plant.x, plant.angle>"
+    with pytest.raises(CurveboundError, match=r"no plant\.angel.*did you mean plant\.angle"):
+        result["plant.angel"]

@@ -7,8 +7,11 @@ import math
 import pytest
 from small_models import Oscillator, Pendulum, Sliding, march
 
+from curvebound.fmi.common import SOLVER_METHOD
 from curvebound.kernel.method import DONE, TOO_MANY_STEPS
 from curvebound.kernel.methods import METHODS, create
+from curvebound.study.settings import STEP_ORDERS
+from curvebound.study.stability.stability_map import MAPPED
 
 # method, order, steps over 10 s, evaluations per step (at most), error allowed at the finest
 CASES = {
@@ -47,17 +50,12 @@ def test_order_error_and_work(name: str, system: str) -> None:
 
 
 def test_table_follows_the_enumeration() -> None:
-    assert METHODS == (
-        "explicit_euler",
-        "semi_implicit_euler",
-        "rk4",
-        "adaptive",
-        "implicit",
-        "exact",
-    )
-    kinds = [type(create(item + 1)).__name__.lower() for item in range(6)]
+    assert [name for name, _ in SOLVER_METHOD.items] == list(METHODS)
+    assert set(CASES) == set(STEP_ORDERS), "each method of given step has its row"
+    assert set(MAPPED) == set(METHODS) - {"exact"}, "each method is mapped"
+    kinds = [type(create(item)).__name__.lower() for item in range(1, len(METHODS) + 1)]
     assert kinds == [name.replace("_", "") for name in METHODS]
-    for item in (0, 7, -1):
+    for item in (0, len(METHODS) + 1, -1):
         with pytest.raises(IndexError, match=str(item)):
             create(item)
 

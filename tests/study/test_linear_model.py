@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from curvebound import linearize
+from curvebound.cli import main
 from curvebound.errors import CurveboundError
 
 
@@ -77,3 +78,20 @@ def test_unknown_names_are_refused() -> None:
         linearize("BeadOnWire", at={"bead.angel": 1.0})
     with pytest.raises(CurveboundError, match=r"no input wire\.az.*wire\.ax"):
         linearize("BeadOnWire", inputs=["wire.az"])
+
+
+def test_the_command_cuts_nothing_and_says_about_which_state(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ["linearize", "ParabolaPendulum", "--set", "slider.u=0"]
+    assert main([*words, "--set", "pendulum.angle=170deg", "--equilibrium"]) == 0
+    text = capsys.readouterr().out
+    rows = [line.split() for line in text.splitlines()]
+    assert ["x3", "pendulum.angle", "3.14159", "rad"] in rows
+    assert ["x2", "-19.62", "0", "9.81", *"0000000"] in rows
+    assert "no equilibrium" not in text
+    assert "\u2026" not in text
+    assert main([*words, "--input", "parabola.ax"]) == 0
+    assert "x0 is no equilibrium, --equilibrium looks for one: slider.u_rate'" in (
+        capsys.readouterr().out
+    )

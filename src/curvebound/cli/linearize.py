@@ -9,11 +9,19 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..output import console_of
+from ..output import aligned, say
+
+if TYPE_CHECKING:
+    from ..study.linear_model import LinearModel
 
 NAME = "linearize"
 HELP = "the linear model of a system about a state, for control design"
+#: largest rate, in its unit, of a state that rests
+_REST = 1e-12
+#: what is left of zero by the digits in which the equations are differentiated is far below
+_ZERO = 1e-30
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -40,9 +48,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the matrices, and write them."""
-    from rich.table import Table
-
+    """Print the state and the matrices, and write them."""
     from ..study.linear_model import linearize
 
     model = linearize(
@@ -52,19 +58,47 @@ def run(options: argparse.Namespace) -> int:
         options.output,
         equilibrium=options.equilibrium,
     )
-    console = console_of(options)
-    for title, matrix, rows, columns in (
-        ("A", model.A, model.states, model.states),
-        ("B", model.B, model.states, model.inputs),
-        ("C", model.C, model.outputs, model.states),
-        ("D", model.D, model.outputs, model.inputs),
-    ):
-        if matrix.size:
-            table = Table("", *columns, title=title, title_justify="left", box=None)
-            for name, row in zip(rows, matrix, strict=True):
-                table.add_row(f"{name} ({model.units[name]})", *(f"{x:.6g}" for x in row))
-            console.print(table)
+    say(options, _text(model))
     if options.out:
         model.write(options.out)
-        console.print(str(options.out))
+        say(options, str(options.out))
     return 0
+
+
+def _text(model: LinearModel) -> str:
+    """Names, values and units first, then the matrices by number: so that no column is cut."""
+    kinds = (
+        ("x", "states", model.states, model.x0),
+        ("u", "inputs", model.inputs, model.u0),
+        ("y", "outputs", model.outputs, model.y0),
+    )
+    parts = ["x' = A (x - x0) + B (u - u0), y = y0 + C (x - x0) + D (u - u0)"]
+    for letter, title, names, values in kinds:
+        rows = [
+            (f"  {letter}{i}", name, _shown(value), model.units[name])
+            for i, (name, value) in enumerate(zip(names, values, strict=True), 1)
+        ]
+        if rows:
+            parts.append(f"{title} {letter}, at {letter}0\n{aligned(rows, left=2)}")
+    moving = [
+        f"{name}' = {rate:.3g}"
+        for name, rate in zip(model.states, model.rest, strict=True)
+        if abs(rate) > _REST
+    ]
+    if moving:
+        parts.append(f"x0 is no equilibrium, --equilibrium looks for one: {', '.join(moving)}")
+    for title, matrix, row, column in (
+        ("A", model.A, "x", "x"),
+        ("B", model.B, "x", "u"),
+        ("C", model.C, "y", "x"),
+        ("D", model.D, "y", "u"),
+    ):
+        if matrix.size:
+            head = ["  ", *(f"{column}{j}" for j in range(1, matrix.shape[1] + 1))]
+            body = [[f"  {row}{i}", *map(_shown, line)] for i, line in enumerate(matrix, 1)]
+            parts.append(f"{title}\n{aligned([head, *body])}")
+    return "\n\n".join(parts)
+
+
+def _shown(value: float) -> str:
+    return f"{value:.6g}" if abs(value) > _ZERO else "0"

@@ -22,9 +22,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .algorithms import ORDERS, advance_of
+from .algorithms import advance_of
 from .counters import Counters
 from .instance import DISCARD, CallFailed
+from .scene_parts import ALGORITHMS
 from .schedule import Schedule
 
 __all__ = ["adaptive_steps"]
@@ -47,7 +48,7 @@ def adaptive_steps(
     system = schedule.system
     settings = system.scene.adaptive
     assert settings is not None
-    order = ORDERS[system.scene.algorithm]
+    order = ALGORITHMS[system.scene.algorithm].order
     span = end - begin
     smallest = min(settings.smallest or first / _DEPTH, first, span)
     largest = max(min(settings.largest or span / 4.0, span), smallest)

@@ -1,9 +1,9 @@
 """The macro steps: how components advance from one communication point to the next.
 
 With H the macro step, and each FMU integrating its own part without error while its inputs are
-held, the error of the whole is of the order that each algorithm states. Direct feedthrough costs
-no order in any of them: at a communication point all outputs and inputs are made consistent
-before anything steps.
+held, the error of the whole is of the order that `scene_parts.ALGORITHMS` states. Direct
+feedthrough costs no order in any of them: at a communication point all outputs and inputs are
+made consistent before anything steps.
 
 Sources: Kuebler and Schiehlen, "Two methods of simulator coupling", Math. Comput. Model. Dyn.
 Syst. 6 (2000) 93 (Jacobi and Gauss-Seidel); Busch, "Continuous approximation techniques for
@@ -15,27 +15,20 @@ Strang, "On the construction and comparison of difference schemes", SIAM J. Nume
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from .schedule import TRIAL, Clock, Schedule
 
-__all__ = ["ORDERS", "Advance", "advance_of"]
+__all__ = ["Advance", "advance_of"]
 
 Advance = Callable[[float, float], None]
 """advance(t, H): from a consistent communication point t to t + H, outputs of the states read."""
-
-ORDERS = {"jacobi": 1, "gauss_seidel": 1, "strang": 2, "midpoint": 2}
 
 
 def advance_of(schedule: Schedule) -> Advance:
     """The macro step of the scene's algorithm; made once for a schedule."""
     if schedule.advance is None:
-        algorithm = schedule.system.scene.algorithm
-        if algorithm == "strang":
-            schedule.advance = _strang(schedule)
-        elif algorithm == "midpoint":
-            schedule.advance = _midpoint(schedule)
-        else:
-            schedule.advance = _sweep(schedule, passing_on=algorithm == "gauss_seidel")
+        schedule.advance = _MACRO_STEPS[schedule.system.scene.algorithm](schedule)
     return schedule.advance
 
 
@@ -112,3 +105,11 @@ def _midpoint(schedule: Schedule) -> Advance:
         schedule.run(steps)
 
     return advance
+
+
+_MACRO_STEPS: dict[str, Callable[[Schedule], Advance]] = {
+    "gauss_seidel": partial(_sweep, passing_on=True),
+    "jacobi": partial(_sweep, passing_on=False),
+    "strang": _strang,
+    "midpoint": _midpoint,
+}

@@ -27,7 +27,7 @@ def lacking(scene: SceneData, nodes: Mapping[str, Node]) -> list[str]:
             )
     for node in nodes.values() if scene.rolls_back else ():
         if not node.fmu.can_roll_back:
-            needs = "adaptive macro steps need" if scene.adaptive else "midpoint needs"
+            needs = "adaptive macro steps need" if scene.adaptive else f"{scene.algorithm} needs"
             problems.append(
                 f"component {node.name}: {node.fmu.model_name} cannot be rolled back "
                 f"(canGetAndSetFMUstate is false), which {needs}; run it with a fixed step and "

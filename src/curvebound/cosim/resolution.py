@@ -17,6 +17,9 @@ from .signals import Signal, signal
 from .system import Link, Node, Port, System
 from .system import path_of as _path
 
+#: the algorithms that a slope of the inputs raises by an order
+_HOLDING = [name for name, algorithm in ALGORITHMS.items() if algorithm.order == 1]
+
 __all__ = ["resolve"]
 
 
@@ -85,10 +88,10 @@ class _Resolution:
             )
         if scene.hold not in HOLDS:
             self.problems.append(f"hold is {scene.hold!r}; " + nearest(scene.hold, HOLDS))
-        elif scene.hold == "first" and scene.algorithm not in ("gauss_seidel", "jacobi"):
+        elif scene.hold == "first" and scene.algorithm not in _HOLDING:
             self.problems.append(
                 f"hold is 'first' with algorithm {scene.algorithm!r}, which is of order 2 by "
-                "holding inputs; take gauss_seidel or jacobi, or hold 'zero'"
+                f"holding inputs; take {' or '.join(_HOLDING)}, or hold 'zero'"
             )
         if scene.record_every < 1:
             self.problems.append(f"record_every is {scene.record_every}; give 1 or more")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, nearest
 from ..fmi.drawing import Drawing
 from .formats import write_table
 from .tables import Table
@@ -17,7 +17,7 @@ from .tables import Table
 __all__ = ["Result", "RunFailed", "RunInterrupted"]
 
 
-@dataclass
+@dataclass(repr=False)
 class Result:
     """A run of a scene.
 
@@ -72,7 +72,17 @@ class Result:
         return [name for name in self.data.dtype.names or () if name != "time"]
 
     def __getitem__(self, name: str) -> NDArray[Any]:
+        if name != "time" and name not in self.names:
+            raise CurveboundError(
+                f"The result of {self.scene} has no {name}, scene.record() says what it has; "
+                + nearest(name, self.names)
+            )
         return np.asarray(self.data[name])
+
+    def __repr__(self) -> str:
+        time = self.time
+        span = f", {time[0]:g} to {time[-1]:g} s" if len(time) else ""
+        return f"<Result of {self.scene}: {len(time)} points{span}, {', '.join(self.names)}>"
 
     def write(self, path: Path | str, *, with_units: bool = False) -> Path:
         """Keep the data as CSV, JSON, Parquet or NPZ: as the name ends, every digit kept.

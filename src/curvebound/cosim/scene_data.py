@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError, nearest
 from ..units import number
-from .scene_parts import Adaptive, Component, Connection, Jumping, Needs
+from .scene_parts import ALGORITHMS, Adaptive, Component, Connection, Jumping, Needs
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -321,7 +321,8 @@ class SceneData:
     @property
     def rolls_back(self) -> bool:
         """Whether its macro steps take states back."""
-        return self.adaptive is not None or self.algorithm == "midpoint"
+        algorithm = ALGORITHMS.get(self.algorithm)
+        return self.adaptive is not None or (algorithm is not None and algorithm.rolls_back)
 
     def copy(self, name: str | None = None) -> Self:
         """An independent scene with the same content.

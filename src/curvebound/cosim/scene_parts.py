@@ -5,12 +5,39 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from .fmu import Value
 
-__all__ = ["ALGORITHMS", "HOLDS", "Adaptive", "Component", "Connection", "Jumping", "Needs"]
+__all__ = [
+    "ALGORITHMS",
+    "HOLDS",
+    "Adaptive",
+    "Algorithm",
+    "Component",
+    "Connection",
+    "Jumping",
+    "Needs",
+]
 
-ALGORITHMS = ("gauss_seidel", "jacobi", "strang", "midpoint")
+
+class Algorithm(NamedTuple):
+    """What others must know of a master algorithm.
+
+    order: of its error in the macro step, inputs held; rolls_back: whether it takes states back.
+    """
+
+    order: int
+    rolls_back: bool = False
+
+
+#: the master algorithms; what a macro step of each does stands in `algorithms`
+ALGORITHMS = {
+    "gauss_seidel": Algorithm(1),
+    "jacobi": Algorithm(1),
+    "strang": Algorithm(2),
+    "midpoint": Algorithm(2, rolls_back=True),
+}
 HOLDS = ("zero", "first")
 
 

@@ -55,7 +55,7 @@ def couplings(scene: Scene, space: Space) -> list[tuple[str, str]]:
     found = [own]
     names = ALGORITHMS if len(scene.components) > 1 else (scene.algorithm,)
     for name, hold in itertools.product(names, HOLDS):
-        if (name, hold) == own or name == "midpoint":
+        if (name, hold) == own or ALGORITHMS[name].rolls_back:
             continue
         if hold == "first" and not has_slopes(space.system):
             continue

@@ -183,7 +183,7 @@ class Probe:
         """
         values = {**self._values, self.variable: value}
         derived = self.derived
-        if not self.alone or derived is None or method in ("adaptive", "implicit", "exact"):
+        if not self.alone or derived is None or method not in theory.LIMITED:
             return math.nan, math.nan
         inputs = {v.name: 0.0 for v in derived.variables if v.kind == "input"}
         try:

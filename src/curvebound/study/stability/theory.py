@@ -17,19 +17,21 @@ from numpy.typing import NDArray
 
 from ..reference.motion import Motion
 
-__all__ = ["FACTOR", "boundary", "jacobians", "step_matrix", "swings"]
+__all__ = ["FACTOR", "LIMITED", "boundary", "jacobians", "step_matrix", "swings"]
 
 Matrix = NDArray[Any]
 #: an oscillation's largest kinetic and potential energy together, what is at stake, are twice its
 #: energy: where ten times that much too much is called unstable, it has grown to 21 times itself
 FACTOR = 21.0
 _BISECTIONS = 50
+#: methods whose step has a limit that is known here
+LIMITED = ("explicit_euler", "semi_implicit_euler", "rk4")
 
 
 def step_matrix(method: str, a: Matrix, h: float) -> Matrix:
     """What one step of `method` multiplies z by, for z' = a z with z = (q, v); shape of a (n, n).
 
-    KeyError for a method that is stable whatever the step (implicit, adaptive, exact).
+    KeyError for a method that is not in LIMITED.
     """
     n = len(a)
     half = n // 2

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...cosim.scene_parts import ALGORITHMS
 from ...errors import CurveboundError
 from ..grid import couplings, is_sampled
 from ..reference.reference_set import ReferenceSet
@@ -321,7 +322,7 @@ class Tuner:
 
 def _order(setting: Setting) -> float:
     """Of the error in the macro step."""
-    return 2.0 if setting.algorithm == "strang" or setting.hold == "first" else 1.0
+    return 2.0 if setting.hold == "first" else float(ALGORITHMS[setting.algorithm].order)
 
 
 def _round_up(x: float) -> float:
