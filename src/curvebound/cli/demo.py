@@ -172,7 +172,7 @@ def _gallery(
                 },
             )
         )
-    links = dict(pages.values())
+    links = {"studies": out / "study" / "index.html", **dict(pages.values())}
     return write_gallery(cards, out / "index.html", introduction=_INTRODUCTION, links=links)
 
 

@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 from ..arguments import positive, setting
+from ..numbers import plain, quantity
 from ..output import console_of, hand_out
 from ..progress import Progress
 
@@ -172,25 +173,30 @@ def _as_data(scene: Any, bounds: dict[str, float], choice: Any) -> dict[str, Any
 
 def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | None) -> list[str]:
     best = choice.best
-    lines = [f"[bold]{scene.name}[/]: " + ", ".join(f"{p} within {b:g}" for p, b in bounds.items())]
+    lines = [
+        f"[bold]{scene.name}[/]: " + ", ".join(f"{p} within {plain(b)}" for p, b in bounds.items())
+    ]
     if choice.chosen is None:
         lines.append(
-            f"  Nothing fits. The nearest, {_setting(best)}, misses by {best.seen:.3g} times."
+            f"  Nothing fits. The nearest, {_setting(best)}, misses by {plain(best.seen)} times."
         )
         if choice.advice:
             lines.append(f"  What would: {choice.advice}.")
     else:
-        lines.append(f"  {_setting(best)}: {best.cpu:.2e} s of CPU time per simulated second")
+        lines.append(
+            f"  {_setting(best)}: {quantity(best.cpu, 's')} of CPU time per simulated second"
+        )
         for path, verdict in best.verdicts.items():
             lines.append(
-                f"  {path}: error {verdict.worst:.2e} (bound {bounds[path]:g}), verified by a run"
+                f"  {path}: error {plain(verdict.worst)} (bound {plain(bounds[path])}), "
+                "verified by a run"
             )
         around = "starts within 20 % of the scene's own"
         lines.append(
-            f"  Over {around}, at most {best.miss:.2g} of the bound is expected"
+            f"  Over {around}, at most {plain(best.miss, 2)} of the bound is expected"
             if choice.sure
-            else f"  Over the {best.starts} {around} that were tried, at most {best.seen:.2g} of "
-            "the bound was seen; their errors spread too widely to expect it of every other"
+            else f"  Over the {best.starts} {around} that were tried, at most "
+            f"{plain(best.seen, 2)} of the bound was seen; their errors spread too widely to expect it of every other"
         )
         lines[-1] += f" ({choice.runs} runs)."
         cheaper = choice.cheaper
@@ -198,21 +204,21 @@ def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | No
             lines.append("  Nothing clearly cheaper was found: here the macro steps cost most.")
         else:
             lines.append(
-                f"  The next cheaper, {_setting(cheaper)} at {cheaper.cpu:.2e} s, misses by "
-                f"{cheaper.miss:.3g} times."
+                f"  The next cheaper, {_setting(cheaper)} at {quantity(cheaper.cpu, 's')}, misses "
+                f"by {plain(cheaper.miss)} times."
             )
     if choice.until < scene.stop_time:
         lines.append(
-            f"  Judged up to t = {choice.until:.4g} s: beyond, the motion amplifies even the "
-            "reference's own uncertainty too much."
+            f"  Judged up to t = {quantity(choice.until, 's', 4)}: beyond, the motion amplifies "
+            "even the reference's own uncertainty too much."
         )
     if not choice.within_budget and budget is not None:
-        text = f"  That is {best.cpu / budget:.3g} times the budget of {budget:g} s."
+        text = f"  That is {plain(best.cpu / budget)} times the budget of {quantity(budget, 's')}."
         if choice.affordable is not None:
             found = choice.affordable
             text += (
                 f" Within it, the most accurate is {_setting(found)}, which misses the bounds by "
-                f"{found.miss:.3g} times."
+                f"{plain(found.miss)} times."
             )
         lines.append(text)
     return lines
@@ -220,6 +226,6 @@ def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | No
 
 def _setting(candidate: Any) -> str:
     setting = candidate.setting
-    return f"{setting.label}, macro step {setting.step:.3g} s" + (
+    return f"{setting.label}, macro step {quantity(setting.step, 's')}" + (
         "" if setting.coupling == "gauss_seidel" else f", {setting.coupling}"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -11,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import pages
 from ..errors import CurveboundError
 from ..fmi.drawing import FRAME, Circle, Curve, Drawing
 from ..fmi.folder import shipped_drawings
-from ..pages import common_style
 from .actors import Actor, Floats, find_actors, missing
 from .geometry import box_of, follows_frame
 from .reading import Results, opened
@@ -100,9 +99,8 @@ def save_small(drawn: Any, out: Any) -> None:
 
 
 def palette() -> list[str]:
-    """The colours of the replay page in its light theme."""
-    light = common_style().split("}", 1)[0]
-    return re.findall(r"--result-\d: (#[0-9a-f]{6})", light)
+    """The colours of results on the pages, in the light theme."""
+    return [colour for name, colour in pages.palette().items() if name.startswith("result-")]
 
 
 def colour_of(number: int) -> str:

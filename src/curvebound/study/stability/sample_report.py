@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...numbers import plain, quantity
 from ..data_files import write_rows
 from .sample import ALLOWED, Sampled, SampleSettings
 
@@ -68,8 +69,8 @@ def print_sample(
         errors = sorted(one.error for one in judged)
         worst = max(judged, key=lambda one: one.error)
         console.print(
-            f"relative error: median {errors[len(errors) // 2]:.1e}, 99 % below "
-            f"{errors[int(0.99 * len(errors))]:.1e}, largest {worst.error:.1e} "
+            f"relative error: median {plain(errors[len(errors) // 2], 2)}, 99 % below "
+            f"{plain(errors[int(0.99 * len(errors))], 2)}, largest {plain(worst.error, 2)} "
             f"(point {worst.point.number}, {worst.output}); allowed {ALLOWED:g}",
             soft_wrap=True,
         )
@@ -77,10 +78,10 @@ def print_sample(
         console.print(
             f"work: median {sorted(o.evaluations for o in judged)[len(judged) // 2]} evaluations, "
             f"most {most.evaluations} (point {most.point.number}); slowest run "
-            f"{max(one.seconds for one in outcomes):.2g} s",
+            f"{quantity(max(one.seconds for one in outcomes), 's', 2)}",
             soft_wrap=True,
         )
     for one in outcomes:
         if one.verdict != "accurate":
-            detail = one.message or f"error {one.error:.1e} of {one.output}"
+            detail = one.message or f"error {plain(one.error, 2)} of {one.output}"
             console.print(f"{one.verdict}: point {one.point.number}: {detail}", soft_wrap=True)

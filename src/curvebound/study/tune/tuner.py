@@ -17,6 +17,7 @@ import numpy as np
 
 from ...cosim.scene_parts import ALGORITHMS
 from ...errors import CurveboundError
+from ...numbers import quantity
 from ..grid import couplings, is_sampled
 from ..reference.reference_set import ReferenceSet
 from ..runner import Runner
@@ -256,8 +257,8 @@ class Tuner:
             finer = setting.step / (best.seen / AIM) ** (1.0 / order)
             cpu = best.cpu * setting.step / finer
             words.append(
-                f"the macro step costs accuracy of order {order:.0f}: one of about {finer:.1e} s "
-                f"would do, at about {cpu:.2g} s of CPU time per simulated second"
+                f"the macro step costs accuracy of order {order:.0f}: one of about "
+                f"{quantity(finer, 's', 2)} would do, at about {quantity(cpu, 's', 2)} of CPU time per simulated second"
             )
         finite = [c for c in tried if c.miss < math.inf and c.setting.size]
         if finite and best.seen < 1e6 and not (self.sampled and self.continuous):
