@@ -269,10 +269,10 @@ def test_a_sample_is_summed_up_in_words(capsys: pytest.CaptureFixture[str]) -> N
     outcomes.append(Sampled(RandomPoint(7, {}), "failed", message="too many steps", seconds=0.5))
     print_sample(Console(highlight=False), outcomes, SampleSettings("ParabolaPendulum"), 11)
     assert capsys.readouterr().out.splitlines() == [
-        "ParabolaPendulum, 200 points, seed 11, adaptive at 1e-08, 10 characteristic times: "
+        "ParabolaPendulum, 200 points, seed 11, adaptive at 1e-8, 10 characteristic times: "
         "199 accurate, 1 failed",
-        "relative error: median 1.0e-06, 99 % below 2.0e-06, largest 2.0e-06 (point 199, slider.u);"
-        " allowed 1e-06",
+        "relative error: median 1e-6, 99 % below 2e-6, largest 2e-6 (point 199, slider.u);"
+        " allowed 1e-6",
         "work: median 10000 evaluations, most 19900 (point 199); slowest run 3.1 s",
         "failed: point 7: too many steps",
     ]

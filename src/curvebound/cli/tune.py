@@ -196,7 +196,8 @@ def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | No
             f"  Over {around}, at most {plain(best.miss, 2)} of the bound is expected"
             if choice.sure
             else f"  Over the {best.starts} {around} that were tried, at most "
-            f"{plain(best.seen, 2)} of the bound was seen; their errors spread too widely to expect it of every other"
+            f"{plain(best.seen, 2)} of the bound was seen; their errors spread too widely to "
+            "expect it of every other"
         )
         lines[-1] += f" ({choice.runs} runs)."
         cheaper = choice.cheaper

@@ -61,7 +61,7 @@ def print_sample(
     said = ", ".join(f"{n} {verdict}" for verdict, n in count.most_common())
     console.print(
         f"[bold]{settings.system}[/], {len(outcomes)} points, seed {seed}, {settings.method} at "
-        f"{settings.tolerance:g}, {settings.times:g} characteristic times: {said}",
+        f"{plain(settings.tolerance)}, {plain(settings.times)} characteristic times: {said}",
         soft_wrap=True,
     )
     judged = [one for one in outcomes if not math.isnan(one.error)]
@@ -71,7 +71,7 @@ def print_sample(
         console.print(
             f"relative error: median {plain(errors[len(errors) // 2], 2)}, 99 % below "
             f"{plain(errors[int(0.99 * len(errors))], 2)}, largest {plain(worst.error, 2)} "
-            f"(point {worst.point.number}, {worst.output}); allowed {ALLOWED:g}",
+            f"(point {worst.point.number}, {worst.output}); allowed {plain(ALLOWED)}",
             soft_wrap=True,
         )
         most = max(judged, key=lambda one: one.evaluations)

@@ -258,7 +258,8 @@ class Tuner:
             cpu = best.cpu * setting.step / finer
             words.append(
                 f"the macro step costs accuracy of order {order:.0f}: one of about "
-                f"{quantity(finer, 's', 2)} would do, at about {quantity(cpu, 's', 2)} of CPU time per simulated second"
+                f"{quantity(finer, 's', 2)} would do, at about {quantity(cpu, 's', 2)} of CPU time "
+                "per simulated second"
             )
         finite = [c for c in tried if c.miss < math.inf and c.setting.size]
         if finite and best.seen < 1e6 and not (self.sampled and self.continuous):
