@@ -51,7 +51,7 @@ function minMax(series, parts, left, to, most) {
   })];
 }
 
-const ROUGH = 0.25;  // of the points are turns of a line that goes up and down within its columns
+const ROUGH = 0.08;  // of the points are turns of a line that goes up and down within few columns
 
 // The lines of a series, from u's data. A rough one takes long to stroke, and longest where it is
 // dashed, but fills its columns anyway: it gets thin and solid.
@@ -69,7 +69,9 @@ function lineOf({ width, dash }) {
       before = y;
     }
     const rough = turns > ROUGH * (to - from) && way > u.bbox.width;
-    Object.assign(u.series[k], { width: rough ? 1 / devicePixelRatio : width, dash: rough ? [] : dash });
+    // pxAlign puts the edges of uPlot's clipping on whole pixels, without which it takes long too
+    const thin = { width: 1 / devicePixelRatio, dash: [], pxAlign: 1 };
+    Object.assign(u.series[k], rough ? thin : { width, dash, pxAlign: 0 });
     return straight(u, k, from, to);
   };
 }
