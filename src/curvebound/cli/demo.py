@@ -136,6 +136,7 @@ def _gallery(
     from ..files import inside
     from ..fmi.documentation import unpack_documentation
     from ..view import About, Card, write_gallery, write_picture, write_replay
+    from ..view.replay import pages_beside
 
     pages = {
         fmu: (
@@ -154,7 +155,10 @@ def _gallery(
         replay = write_replay(
             [(scene.name, result)],
             inside(out, scene.name, ".html"),
-            about=About(scene.description, links={"Gallery": "index.html"}),
+            about=About(
+                scene.description,
+                links={"Gallery": "index.html", **pages_beside(out, scene.name)},
+            ),
         )
         cards.append(
             Card(

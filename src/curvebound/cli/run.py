@@ -70,11 +70,12 @@ def _replay(scene: Scene, options: argparse.Namespace, results: list[tuple[str, 
     from ..cosim.differences import differences, own_label
     from ..cosim.options import chosen
     from ..files import inside
-    from ..view.replay import About, write_replay
+    from ..view.replay import About, pages_beside, write_replay
 
     differing = differences([one for _, one in chosen(scene, options)])
     own = own_label(differing, 0)
     if own and own not in [label for label, _ in results]:
         results = [(own, results[0][1]), *results[1:]]
     out = options.replay if options.replay.name else inside(Path("build"), scene.name, ".html")
-    return write_replay(results, out, title=scene.name, about=About(scene.description, differing))
+    about = About(scene.description, differing, pages_beside(out.parent, scene.name))
+    return write_replay(results, out, title=scene.name, about=about)

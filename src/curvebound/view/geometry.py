@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..fmi.drawing import FRAME
 from .actors import Actor, Floats
 
-__all__ = ["Box", "box_of", "common_samples", "distances", "follows_frame"]
+__all__ = ["Box", "box_of", "common_samples", "distances", "follows_frame", "view_of"]
 
 Box = tuple[float, float, float, float]  # left, bottom, right, top, in m
 
 _MARGIN = 0.12  # of a size, around everything
 _BLOWN_UP = 6.0  # times the middle 80 % of the positions: beyond that a run has left the picture
 _ALWAYS_SHOWN = 3.0  # sizes beyond the middle: a start from which all comes to rest stays in it
+_LEFT_BEHIND = 4.0  # times what the first actor covers: then another does not shrink it
 _LEAST_COMMON = 50
 
 
@@ -90,6 +93,34 @@ def box_of(actors: list[Actor], *, relative: bool = False) -> Box:
         min(box[1] for box in boxes),
         max(box[2] for box in boxes),
         max(box[3] for box in boxes),
+    )
+
+
+def view_of(actors: list[Actor]) -> dict[str, Any]:
+    """The parts of the plane that a page shows, as data: in the world, and as seen from the frame.
+
+    What the first actor needs decides: another that leaves it far behind does not shrink it. Then
+    `all` holds the parts that show every actor.
+    """
+    every = {"world": box_of(actors), "frame": box_of(actors, relative=True)}
+    shown = {
+        "world": _held(every["world"], box_of(actors[:1])),
+        "frame": _held(every["frame"], box_of(actors[:1], relative=True)),
+    }
+    made: dict[str, Any] = {**shown, "follow": follows_frame(actors)}
+    return made if shown == every else {**made, "all": every}
+
+
+def _held(box: Box, first: Box) -> Box:
+    """A box, no farther from the first actor's than that is large, where it is much larger."""
+    size = max(first[2] - first[0], first[3] - first[1])
+    if max(box[2] - box[0], box[3] - box[1]) <= _LEFT_BEHIND * size:
+        return box
+    return (
+        max(box[0], first[0] - size),
+        max(box[1], first[1] - size),
+        min(box[2], first[2] + size),
+        min(box[3], first[3] + size),
     )
 
 

@@ -15,7 +15,7 @@ from ..fmi.folder import shipped_drawings
 from ..fmi.formula import parse
 from .actors import Actor, Floats, find_actors, missing, split_name
 from .arrows import kinds_of, packed, vectors_of
-from .geometry import box_of, distances, follows_frame
+from .geometry import distances, view_of
 from .packing import Packer
 from .quantities import plots_of, quantity, readouts_of
 from .reading import Opened, Results, opened
@@ -91,12 +91,7 @@ def build_model(
         "notes": said,
     }
     if actors:
-        drawn = [actor for _, actor in actors]
-        model["view"] = {
-            "world": box_of(drawn),
-            "frame": box_of(drawn, relative=True),
-            "follow": follows_frame(drawn),
-        }
+        model["view"] = view_of([actor for _, actor in actors])
     return model, packer
 
 

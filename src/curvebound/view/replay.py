@@ -6,17 +6,19 @@ import html
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
+from urllib.parse import quote
 
 from numpy.typing import NDArray
 
 from ..cosim.differences import Difference
 from ..cosim.results import Result
+from ..files import inside
 from ..fmi.drawing import Drawing
 from ..pages import document, embedded_json, filled, write_page
 from .asset_files import asset, scene_script, scene_style
 from .model import build_model
 
-__all__ = ["About", "write_replay"]
+__all__ = ["About", "pages_beside", "write_replay"]
 
 
 class About(NamedTuple):
@@ -29,6 +31,16 @@ class About(NamedTuple):
     text: str = ""
     differing: Sequence[Difference] = ()
     links: Mapping[str, str] = {}
+
+
+def pages_beside(folder: Path, scene: str) -> dict[str, str]:
+    """Links of a replay in `folder` to the pages of its scene that are there, by what they are."""
+    found = {}
+    for words, part in (("Study", "study"), ("Stability", "stability")):
+        page = inside(folder / part, scene) / "index.html"
+        if page.is_file():
+            found[words] = quote(page.relative_to(folder).as_posix())
+    return found
 
 
 def write_replay(

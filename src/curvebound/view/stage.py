@@ -15,7 +15,7 @@ from ..errors import CurveboundError
 from ..fmi.drawing import FRAME, Circle, Curve, Drawing
 from ..fmi.folder import shipped_drawings
 from .actors import Actor, Floats, find_actors, missing
-from .geometry import box_of, follows_frame
+from .geometry import follows_frame, view_of
 from .reading import Results, opened
 
 __all__ = [
@@ -193,7 +193,7 @@ class Stage:
         self.axes = axes
         self.actors = actors
         self.relative = follows_frame(actors)
-        left, bottom, right, top = box_of(actors, relative=self.relative)
+        left, bottom, right, top = view_of(actors)["frame" if self.relative else "world"]
         # To scale, and the whole of the axes used: the limits give way, not the box.
         box = axes.get_window_extent()
         scale = max((right - left) / box.width, (top - bottom) / box.height)

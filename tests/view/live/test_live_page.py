@@ -139,6 +139,10 @@ def test_play_pause_step_speed_reset_by_keyboard(tab: Tab, live: Callable[[str],
     tab.key("[")
     tab.key("[")
     tab.wait("curvebound.state.speed === 0.5")
+    # an answer that is under way when the next key comes does not undo it
+    tab.run("curvebound.pace(5); curvebound.stand({ ...curvebound.state, speed: 0.5 })")
+    assert tab.run("curvebound.state.speed") == 5
+    tab.run("curvebound.pace(0.5)")
     tab.key("k")
     tab.wait("!curvebound.state.playing")
     tab.key("r")

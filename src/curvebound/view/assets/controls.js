@@ -27,6 +27,8 @@ function buildControls(page) {
     on("zoom-out", () => page.look(() => page.scene.zoomBy(1 / 1.4)));
     on("fit", () => page.look(() => page.scene.fit()));
     on("follow", () => page.toggleFollow());
+    get("see-all").hidden = !page.scene.view.all;
+    on("see-all", () => page.toggleAll());
     on("picture", () => download(page.scene.canvas, fileName(page.model.title, page.timeText(player.time))));
     get("trail").addEventListener("change", () => page.look(() => {
       page.scene.trail = Number(get("trail").value);
@@ -58,6 +60,7 @@ function pressed(page, event) {
     Object.assign(actions, {
       f: () => page.look(() => page.scene.fit()), c: () => page.toggleFollow(),
       t: () => page.nextTrail(), w: () => page.nextArrows(),
+      e: () => page.toggleAll(),
       "+": () => page.look(() => page.scene.zoomBy(1.4)),
       "=": () => page.look(() => page.scene.zoomBy(1.4)),
       "-": () => page.look(() => page.scene.zoomBy(1 / 1.4)),

@@ -110,6 +110,9 @@ class LivePage extends ScenePage {
 
   stand(state) {
     this.state = state;
+    // What the server said before it heard of the last change is not taken back to.
+    if (state.speed === this.wanted) this.wanted = null;
+    else if (this.wanted) state.speed = this.wanted;
     const button = get("play");
     button.setAttribute("aria-label", state.playing ? "Pause" : "Run");
     button.title = state.playing ? "Pause (space)" : "Run (space)";
@@ -249,7 +252,7 @@ class LivePage extends ScenePage {
 
   pace(value) {
     this.send({ do: "speed", value });
-    this.state.speed = value;
+    this.state.speed = this.wanted = value;
   }
 
   faster(by) {

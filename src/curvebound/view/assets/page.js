@@ -35,6 +35,7 @@ class ScenePage {
 
   toggleDegrees() {
     this.degrees = !this.degrees;
+    for (const plot of this.plots) plot.fixed = null;  // it was told in the other unit
     get("degrees").setAttribute("aria-pressed", String(this.degrees));
     this.redraw();
   }

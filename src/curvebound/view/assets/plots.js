@@ -49,11 +49,14 @@ class TimePlot {
     };
     const toggle = (text, words, name) => button(text, words, (made) => {
       this[name] = !this[name];
+      this.fixed = null;
       made.setAttribute("aria-pressed", String(this[name]));
       this.mount();
     }).setAttribute("aria-pressed", "false");
     if (spec.error) toggle("log", "Logarithmic axis of the magnitude", "logarithmic");
     if (this.bounds) toggle("all", "All of a run that leaves the others behind", "whole");
+    button("\u2212", "Zoom out in y", () => this.zoomY(0.5));
+    button("+", "Zoom in in y", () => this.zoomY(2));
     button("PNG", "Save as PNG", () => (
       download(plotPicture(this, this.page.colours()), fileName(this.page.name, spec.title))));
     this.legend = document.createElement("ul");
@@ -135,7 +138,7 @@ class TimePlot {
       padding: [8, 22, 0, 0],
       scales: {
         x: { time: false, range: () => this.page.range() },
-        y: this.logarithmic ? { distr: 3, range: logRange } : { range: (_, low, high) => this.linear(low, high) },
+        y: this.logarithmic ? { distr: 3, range: (_, low, high) => this.fixed ?? logRange(low, high) } : { range: (_, low, high) => this.linear(low, high) },
       },
       axes: [
         { ...axis, size: 24, gap: 4, values: (_, t) => t.map((x) => `${tickText(x)} s`), space: 60 },
@@ -186,7 +189,30 @@ class TimePlot {
     return [data[0], ...data.slice(1).map((values) => values.map(size))];
   }
 
+  // A factor about a share of the height, from below; from then on the axis stays as it is.
+  zoomY(factor, share = 0.5) {
+    const { min, max } = this.chart.scales.y, by = this.logarithmic ? Math.log10 : (value) => value;
+    const back = this.logarithmic ? (value) => 10 ** value : (value) => value;
+    const [low, high] = [by(min), by(max)], about = low + share * (high - low);
+    if (!((high - low) / factor > 1e-12 * Math.max(Math.abs(low), Math.abs(high)))) return;
+    this.setY([back(about - (about - low) / factor), back(about + (high - about) / factor)]);
+  }
+
+  // Moves by a share of the height.
+  panY(share) {
+    const { min, max } = this.chart.scales.y;
+    if (this.logarithmic) this.setY([min * (max / min) ** share, max * (max / min) ** share]);
+    else this.setY([min + share * (max - min), max + share * (max - min)]);
+  }
+
+  // The ends of the y axis; null for those of what is shown.
+  setY(ends) {
+    this.fixed = ends;
+    this.refresh();
+  }
+
   linear(low, high) {
+    if (this.fixed) return this.fixed;
     if (!this.bounds || this.whole || low === null || high === null) return linearRange(low, high);
     const [from, to] = this.bounds.map((bound) => bound * (this.turned(this.spec) ? DEGREE : 1));
     return low > to || high < from ? linearRange(low, high)
@@ -236,14 +262,26 @@ class TimePlot {
     over.addEventListener("pointerdown", (event) => {
       if (event.button !== 0) return;
       over.setPointerCapture(event.pointerId);
-      this.page.seek(time(event));
+      this.grasped = event.clientY;
+      if (!event.shiftKey) this.page.seek(time(event));
     });
     over.addEventListener("pointermove", (event) => {
-      if (over.hasPointerCapture(event.pointerId)) this.page.seek(time(event));
+      if (over.hasPointerCapture(event.pointerId)) {
+        if (event.shiftKey) this.panY((event.clientY - this.grasped) / over.clientHeight);
+        else this.page.seek(time(event));
+        this.grasped = event.clientY;
+      }
       else if (event.pointerType === "mouse") this.page.hover(time(event));
     });
     over.addEventListener("pointerleave", () => this.page.hover(null));
+    over.addEventListener("dblclick", () => this.setY(null));
     over.addEventListener("wheel", (event) => {
+      if (event.shiftKey) {
+        event.preventDefault();
+        const box = over.getBoundingClientRect(), turn = event.deltaY || event.deltaX;
+        this.zoomY(Math.exp(-turn / 300), (box.bottom - event.clientY) / box.height);
+        return;
+      }
       if (!event.ctrlKey && !event.metaKey) return;
       event.preventDefault();
       this.page.zoomTime(Math.exp(-event.deltaY / 300), time(event));
@@ -260,7 +298,7 @@ function linearRange(low, high) {
   return [low - pad, high + pad];
 }
 
-function logRange(_, low, high) {
+function logRange(low, high) {
   if (low === null || high === null || !(low > 0)) return [1e-3, 1];
   return [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high) + 1e-9)];
 }

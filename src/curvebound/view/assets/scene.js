@@ -14,6 +14,7 @@ class Scene {
     this.hidden = new Set();  // numbers of actors
     this.arrows = new Arrows(model.arrows);
     this.following = model.view.follow;
+    this.whole = false;  // with the runs that leave the first behind
     this.actors = model.actors.map((actor, number) => {
       const places = {};
       for (const [name, at] of Object.entries(actor.places)) places[name] = channels[at];
@@ -68,7 +69,8 @@ class Scene {
 
   // The mapping of metres to CSS pixels: x * scale + left, bottom - y * scale.
   camera(frame) {
-    const [x0, y0, x1, y1] = this.following ? this.view.frame : this.view.world;
+    const { frame: near, world } = this.whole ? this.view.all : this.view;
+    const [x0, y0, x1, y1] = this.following ? near : world;
     const pad = 14;
     const scale = this.zoom * Math.min(
       Math.max(this.width - 2 * pad, 20) / Math.max(x1 - x0, 1e-12),

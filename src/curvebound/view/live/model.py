@@ -12,7 +12,7 @@ from ...fmi.drawing import FRAME, Drawing
 from ...fmi.formula import Tree, parse, variables_of
 from ..actors import Actor, find_actors
 from ..arrows import kinds_of
-from ..geometry import box_of, follows_frame
+from ..geometry import view_of
 from ..quantities import plots_of, quantity, readouts_of
 from .controls import own_settings
 from .plan import Plan
@@ -24,7 +24,6 @@ def describe(plan: Plan) -> dict[str, Any]:
     """What stays the same while the page is open, JSON-able."""
     scene = plan.scene
     seen = _seen(plan)
-    drawn = [actor for _, actor in seen]
     made: dict[str, Any] = {
         "name": scene.name,
         "description": scene.description,
@@ -47,12 +46,8 @@ def describe(plan: Plan) -> dict[str, Any]:
         "readouts": _readouts(plan),
         "notes": plan.notes,
     }
-    if drawn:
-        made["view"] = {
-            "world": box_of(drawn),
-            "frame": box_of(drawn, relative=True),
-            "follow": follows_frame(drawn),
-        }
+    if seen:
+        made["view"] = view_of([actor for _, actor in seen])
     return made
 
 
