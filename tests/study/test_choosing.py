@@ -348,20 +348,26 @@ def pushed(**settings: Any) -> Scene:
     return scene.record("bead.bead.angle")
 
 
-@pytest.mark.parametrize(("stable", "hold"), [(True, "first"), (False, "zero")])
+@pytest.mark.parametrize(
+    ("slopes", "hold"), [("better", "first"), ("unstable", "zero"), ("no better", "zero")]
+)
 @pytest.mark.parametrize("own", ["zero", "first"])
 def test_a_hold_is_chosen_by_what_it_comes_to(
-    monkeypatch: pytest.MonkeyPatch, own: str, stable: bool, hold: str
+    monkeypatch: pytest.MonkeyPatch, own: str, slopes: str, hold: str
 ) -> None:
-    """10 times the bound with values held, a tenth with slopes, unless they make it unstable."""
+    """10 times the bound with values held, and with slopes a tenth, as much, or no end."""
     tuner = Tuner(pushed(hold=own), ["bead.bead.angle"], continuous=True, starts=4)
     try:
 
         def law(setting: Setting) -> tuple[float, float]:
             first = setting.hold == "first"
             size = setting.step / 0.1
-            miss = 10.0 * size if not first else 0.1 * size**2 if stable else math.inf
-            return miss, 1e-5 / size
+            miss = 10.0 * size
+            if first and slopes == "better":
+                miss = 0.1 * size**2
+            elif first and slopes == "unstable":
+                miss = math.inf
+            return miss, (0.9e-5 if first else 1e-5) / size
 
         obeying(tuner, monkeypatch, law)
         macro = tuner._macro({"bead.bead.angle": 1e-3}, [], lambda _: None)

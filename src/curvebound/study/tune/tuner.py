@@ -36,6 +36,7 @@ __all__ = ["Tuner"]
 
 _MOST = 1e7  # communication steps of a run
 _DEARER = 1.4  # times the cost of a setting that met the bounds by far wherever it was run
+_LONGER = 1.5  # times the macro step with values held, for which slopes are worth their cost
 _ALL = 4  # families that are refined and timed in turn
 
 
@@ -306,6 +307,14 @@ class Tuner:
                     break
                 setting = replace(setting, step=step)
         tried += every
+        # slopes cost something, and timings differ by chance: only where they allow longer steps
+        held = {c.setting.algorithm: c.setting.step for c in options if c.setting.hold == "zero"}
+        options = [
+            c
+            for c in options
+            if c.setting.hold == "zero"
+            or c.setting.step > _LONGER * held.get(c.setting.algorithm, 0.0)
+        ]
         if options:
             return min(options, key=lambda c: c.cpu).setting
         if self.sampled:
