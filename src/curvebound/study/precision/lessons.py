@@ -183,7 +183,7 @@ def lessons(rows: Sequence[Row], unit: str = "1") -> list[str]:
     exact = [row for row in good if row["method"] == "exact"]
     if exact:
         worst = max(row["numerical"] for row in exact)
-        steps = ", ".join(quantity(row["macro_step"], "s") for row in exact)
+        steps = ", ".join(quantity(step, "s") for step in sorted({r["macro_step"] for r in exact}))
         said_worst = labelled(plain(worst, 1), unit)
         free = worst < _ROUNDING * max(1.0, *(row.get("amplitude") or 0.0 for row in exact))
         said.append(

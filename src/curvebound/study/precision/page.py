@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from ...files import inside
 from ...numbers import plain, quantity
-from ...pages import figure, report, table, write_page
+from ...pages import Html, figure, report, table, write_page
 from ...units import labelled
 from .lessons import crossings, equals, lessons, name_of, pareto, size_of, spread_of, usable
 from .live_measures import MEASURES, Statement
@@ -26,8 +26,8 @@ _COST = "CPU time per simulated s"
 
 
 def _setting(row: Row) -> list[Any]:
-    size = size_of(row).replace(" ", "\N{NO-BREAK SPACE}")
-    return [name_of(row), size or "-", quantity(row["macro_step"], "s")]
+    size = Html(f'<span class="whole">{html.escape(size_of(row) or "-")}</span>')
+    return [name_of(row), size, quantity(row["macro_step"], "s")]
 
 
 def study_page(
