@@ -116,7 +116,7 @@ def test_numbers_are_for_people(study: Path, stability: Path) -> None:
     for page in (words, re.sub(r"(?s)<svg.*?</svg>|<[^>]*>", " ", stability.read_text())):
         assert re.findall(r"\d\.?\d*e[+-]?0\d", page) == [], "no exponent has a leading zero"
         assert re.findall(r"\de\+", page) == []
-    assert 'whole">tolerance 1e-4<' in text, "one word, one line"
+    assert 'whole">step 316 us<' in text, "on one line"
     assert "10 ms" in stability.read_text()
 
 
