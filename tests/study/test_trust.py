@@ -93,7 +93,7 @@ def test_what_is_near_the_cheapest_is_timed_again_in_turns() -> None:
     turns: list[str] = []
 
     class Timer:
-        def cost(self, setting: str) -> float:
+        def cost(self, setting: str, *, runs: int, enough: float) -> float:
             turns.append(setting)
             return 2.0 if setting == "a" else 1.5
 
