@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import json
 import re
+from pathlib import Path
 
 import pytest
 
@@ -20,8 +22,11 @@ def test_the_command_writes_table_picture_and_page(tmp_path, capsys) -> None:
     arguments = ["--method", "rk4", "--method", "adaptive", "--steps", "1e-3:1:5", "--stop", "2"]
     vary = "bead.wire.radius=0.1:10:3:log"
     out = tmp_path / "maps"
-    assert main(["stability", "bead_on_wire", "--vary", vary, *arguments, "--out", str(out)]) == 0
+    words = ["stability", "bead_on_wire", "--vary", vary, *arguments, "--out", str(out), "--json"]
+    assert main(words) == 0
     folder = out / "bead_on_wire"
+    (told,) = json.loads(capsys.readouterr().out)["maps"]
+    assert all(Path(told[kind]).is_file() for kind in ("page", "file", "boundaries"))
     assert sorted(p.name for p in folder.iterdir()) == [
         "bead.wire.radius.csv",
         "bead.wire.radius.html",

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from curvebound.cli import main
+from curvebound.cosim import load_scene
 
 pytest.importorskip("mpmath")
 TUNE = ["tune", "bead_on_wire"]
@@ -81,3 +83,20 @@ def test_a_sweep_without_sense_leaves_an_earlier_one_alone(
 def test_two_bounds_of_one_output_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*TUNE, "--error", "1e-3", "--error", "1e-5"]) == 1
     assert "Two bounds" in capsys.readouterr().err
+
+
+def test_a_choice_for_programs_is_one_that_they_can_make(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ["tune", "bead_on_wire", "--error", "bead.bead.x=1e-3", "--json"]
+    keep = ["bead.model.formulation=angle"]
+    assert main([*words, *(["--keep", *keep])]) == 0
+    told = capsys.readouterr()
+    [choice] = json.loads(told.out)
+    assert choice["units"]["bead.bead.x"] == "m"
+    assert choice["start"]["bead.model.formulation"] == "angle"
+    assert "bead.bead.x within 0.001 m" in told.err
+    scene = load_scene("bead_on_wire")
+    for path, value in {**choice["start"], "step": choice["step"]}.items():
+        scene.set(path, value)
+    assert scene.run().complete

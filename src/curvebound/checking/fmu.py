@@ -152,7 +152,8 @@ class FmuCheck:
         self._exactly = distance = self._distance(self.rows)
         if not distance.relative <= self.request.tolerance:
             raise Wrong(self._told(distance))
-        return f"{table.path.name}: {distance.name} is off by {distance.relative:.1e} at most"
+        off = f"{distance.name} is off by {distance.relative:.1e} of the largest value at most"
+        return f"{table.path.name}: {off}"
 
     def _bounds(self) -> str:
         runner = self._runs()
@@ -164,7 +165,9 @@ class FmuCheck:
             if name not in runner.names:
                 raise Wrong(f"{name} is no output; {nearest(name, runner.names)}")
             values = np.abs(self.rows[:, runner.names.index(name)])
-            told.append(f"{name} reaches {values.max():.3g}, {bound:g} is allowed")
+            unit = runner.fmu.variables[name].unit or ""
+            told.append(f"{name} reaches {values.max():.3g}, {bound:g} {unit}".rstrip())
+            told[-1] += " is allowed"
             if not values.max() <= bound:
                 time = float(runner.experiment.points[int(np.flatnonzero(~(values <= bound))[0])])
                 raise Wrong(f"{told[-1]} (exceeded first at t = {time:.6g} s)")
@@ -213,7 +216,8 @@ class FmuCheck:
                 told.append(f"{method} refused by its message")
                 continue
             told.append(f"{method} {self._error_of(method, rows)}".strip())
-        return ", ".join(told)
+        given = "" if self._exactly is None else "errors relative to the largest value: "
+        return given + ", ".join(told)
 
     # what they share
 

@@ -89,7 +89,8 @@ class SceneCheck:
         if needs.errors and not errors:
             raise Skipped("no component can solve its equations more exactly (solver.method)")
         return ", ".join(
-            f"{path} is off by {error:.1e} of {needs.errors[path]:g}"
+            f"{path} is off by {error:.1e} {self.result.units.get(path, '1')}, "
+            f"{needs.errors[path]:g} is allowed"
             for path, error in errors.items()
         )
 
@@ -102,7 +103,9 @@ class SceneCheck:
             if path not in self.result.names:
                 raise Wrong(f"{path} is not recorded; {nearest(path, self.result.names)}")
             values = np.abs(self.result[path].astype(float))
-            told.append(f"{path} reaches {values.max():.3g}, {bound:g} is allowed")
+            unit = self.result.units.get(path, "")
+            told.append(f"{path} reaches {values.max():.3g}, {bound:g} {unit}".rstrip())
+            told[-1] += " is allowed"
             if not values.max() <= bound:
                 time = float(self.result.time[int(np.flatnonzero(~(values <= bound))[0])])
                 raise Wrong(f"{told[-1]} (exceeded first at t = {time:.6g} s)")

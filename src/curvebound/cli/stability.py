@@ -125,7 +125,9 @@ def _maps(
             pages.append((request.axis.path, page))
             console.print(f"{request.axis.path}: {page}", soft_wrap=True)
             why = nothing_known(maps)
-            data.append({"vary": request.axis.path, "page": page, "empty": why})
+            files = {"page": page, "file": page.with_suffix(".csv"),
+                     "boundaries": page.with_name(f"{page.stem}_boundaries.csv")}  # fmt: skip
+            data.append({"vary": request.axis.path, **files, "empty": why})
             if why:
                 good = False
                 console.print(f"nothing is known at any value: {why}", soft_wrap=True)

@@ -4,6 +4,10 @@ examples:
   curvebound study bead_on_wire
   curvebound study bead_on_wire pendulum_small --quick --out build/study
   curvebound study all
+
+JSON, and study.csv and study.json in the folder of each scene, have a row for each setting: `cpu`
+in s of CPU time per simulated second, `macro_step` in s, `size` in s or as a tolerance (`size_is`),
+`error` the largest of all outputs and times in their `unit`, `energy_residual` in J.
 """
 
 from __future__ import annotations
@@ -106,6 +110,7 @@ def _as_data(study: Any, page: Path) -> dict[str, Any]:
     return {
         "scene": study.scene.name,
         "page": str(page),
+        "unit": study.unit,
         "cheapest": [{"error": level, "setting": row} for level, row in crossings(study.rows)],
         "lessons": lessons(study.rows, study.unit),
         "references": study.references,

@@ -4,6 +4,10 @@ examples:
   curvebound tune bead_on_wire
   curvebound tune bead_on_wire --error 1e-9
   curvebound tune scenarios/mine.py --error plant.slider.u=1e-4 --frame-rate 30 --write
+
+JSON has, for each scene, the choice as start values by path (`start`), `step` (s), `algorithm` and
+`hold`, `cpu_per_second` (s of CPU time per simulated second), and `bounds` and largest `errors` by
+path, in `units`.
 """
 
 from __future__ import annotations
@@ -132,7 +136,11 @@ def _tune(options: argparse.Namespace, name: str, console: Any, data: list[dict[
             choice = tuner.tune(bounds, budget=budget, progress=lambda text: tell(note=text))
         finally:
             tuner.close()
-    lines = _words(scene, bounds, choice, budget)
+    known = tuner.space.system.units(
+        (one, name) for one, _, name in (path.partition(".") for path in bounds)
+    )
+    units = {path: known.get(path, "1") for path in bounds}
+    lines = _words(scene, bounds, units, choice, budget)
     if tuner.space.is_simpler:
         kept = ", ".join(f"{path}={item}" for path, item in tuner.space.best_model.items())
         lines.append(
@@ -140,7 +148,7 @@ def _tune(options: argparse.Namespace, name: str, console: Any, data: list[dict[
         )
     for line in lines:
         console.print(line, soft_wrap=not console.is_terminal)
-    data.append(_as_data(scene, bounds, choice))
+    data.append(_as_data(scene, bounds, choice, tuner.space.start(choice.best.setting), units))
     if choice.chosen is None:
         return 1
     if script is not None:
@@ -152,14 +160,22 @@ def _tune(options: argparse.Namespace, name: str, console: Any, data: list[dict[
     return 0 if choice.within_budget else 1
 
 
-def _as_data(scene: Any, bounds: dict[str, float], choice: Any) -> dict[str, Any]:
+def _as_data(
+    scene: Any,
+    bounds: dict[str, float],
+    choice: Any,
+    start: dict[str, Any],
+    units: dict[str, str],
+) -> dict[str, Any]:
     best = choice.best
     return {
         "scene": scene.name,
         "bounds": bounds,
+        "units": units,
         "fits": choice.chosen is not None,
         "within_budget": choice.within_budget,
         "setting": _setting(best),
+        "start": start,
         "step": best.setting.step,
         "algorithm": best.setting.algorithm,
         "hold": best.setting.hold,
@@ -171,11 +187,16 @@ def _as_data(scene: Any, bounds: dict[str, float], choice: Any) -> dict[str, Any
     }
 
 
-def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | None) -> list[str]:
+def _words(
+    scene: Any,
+    bounds: dict[str, float],
+    units: dict[str, str],
+    choice: Any,
+    budget: float | None,
+) -> list[str]:
     best = choice.best
-    lines = [
-        f"[bold]{scene.name}[/]: " + ", ".join(f"{p} within {plain(b)}" for p, b in bounds.items())
-    ]
+    allowed = {path: quantity(bound, units[path]) for path, bound in bounds.items()}
+    lines = [f"[bold]{scene.name}[/]: " + ", ".join(f"{p} within {b}" for p, b in allowed.items())]
     if choice.chosen is None:
         lines.append(
             f"  Nothing fits. The nearest, {_setting(best)}, misses by {plain(best.seen)} times."
@@ -188,8 +209,8 @@ def _words(scene: Any, bounds: dict[str, float], choice: Any, budget: float | No
         )
         for path, verdict in best.verdicts.items():
             lines.append(
-                f"  {path}: error {plain(verdict.worst)} (bound {plain(bounds[path])}), "
-                "verified by a run"
+                f"  {path}: error {quantity(verdict.worst, units[path])} "
+                f"(bound {allowed[path]}), verified by a run"
             )
         around = "starts within 20 % of the scene's own"
         lines.append(

@@ -150,7 +150,7 @@ def build(
         if place in natives:
             files[f"binaries/{place}/{name}{target.suffix}"] = natives[place].read_bytes()
             files[f"binaries/{place}/guid.txt"] = guid.encode()
-            how += f", {place}"
+            how += f", binary for {place}"
         else:
             how += f", PythonFMU's binary for {place} ({binaries.why_not(place)})"
     if with_python:
