@@ -46,6 +46,7 @@ def test_they_show_what_the_scene_sets_drives_connects_and_records(built: Path) 
         "pendulum.angle", "pendulum.angular_velocity", "pendulum.x", "pendulum.y", "pendulum.vx",
         "pendulum.vy", "pendulum.tension", "parabola.x", "parabola.y", "parabola.vx", "parabola.vy",
         "parabola.coefficient", "parabola.coefficient_rate", "parabola.fx", "parabola.fy",
+        "constraint.normal_force",  # drawn as an arrow
         "energy.kinetic", "energy.potential", "energy.total", "energy.residual",
     }  # fmt: skip
     assert fmu.variables["pendulum.angle_start"].start == repr(np.pi - 0.1)

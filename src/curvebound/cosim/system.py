@@ -110,7 +110,9 @@ class System:
             for name in sorted(
                 node.fmu.drawing.of_arrows() if node.fmu.drawing is not None else ()
             ):
-                variable = node.fmu.variables[name]
+                variable = node.fmu.variables.get(name)
+                if variable is None:  # an FMU that was built for one scene has it as a constant
+                    continue
                 if variable.causality == "input" or variable.variability == "tunable":
                     values = self._input((node.name, name), data)
                     if values is not None:
