@@ -82,3 +82,13 @@ def test_where_rounding_decides_no_tolerance_is_advised() -> None:
     message = Watch().rounding(0.3, 1e-8, "solver.tolerance", "", 1.0)
     assert "start farther from" in message
     assert "raise" not in message
+
+
+def test_errors_of_steps_that_grow_name_the_tolerance_that_would_do() -> None:
+    watch = Watch()
+    assert watch.growth(1e-8, 1e-8, "solver.tolerance", 1.0) == ""
+    message = watch.growth(2e-6, 1e-8, "solver.tolerance", 1.0)
+    assert "to 2e-06 of it, more than solver.tolerance = 1e-08" in message
+    assert message.endswith("lower it to 3e-11")
+    assert watch.growth(2e-6, 1e-8, "solver.tolerance", 1.0) == ""
+    assert Watch().growth(1.0, 1e-8, "solver.tolerance", 1.0).endswith("lower it to 1e-14")

@@ -1,13 +1,13 @@
 """Random motions of both plants with `adaptive`, against Taylor series in extended precision.
 
-    python tests/stability/campaign.py PLANT COUNT [--seed N] [--first N] [--without-hints]
+    python tests/stability/campaign.py PLANT COUNT [--seed N] [--first N] [--hints with|without]
 
 PLANT is bead or pendulum, points are drawn by campaign_motions.py; hints are what a model says of
-its motion beforehand (magnification). The reference is heyoka's Taylor integrator in long double,
-which shares neither method nor formula with the kernel. A point's conditioning is how much it
-magnifies a relative change of its numbers by CHANGE. It is wrong if its error exceeds MARGIN times
-tolerance times conditioning and no warning says so, doubtful if one does though it is well
-conditioned.
+its motion beforehand (magnification), and each point is run with and without. The reference is
+heyoka's Taylor integrator in long double, which shares neither method nor formula with the kernel.
+A point's conditioning is how much it magnifies a relative change of its numbers by CHANGE. It is
+wrong if its error exceeds MARGIN times tolerance times conditioning and no warning says so,
+doubtful if one does though it is well conditioned.
 
 Needs heyoka (the extra `peers`) and a C compiler. Prints every point that is wrong, failed or dear.
 """
@@ -53,6 +53,7 @@ class Outcome:
     """What became of a point."""
 
     verdict: str
+    hints: bool = True
     error: float = math.nan
     conditioning: float = math.nan
     steps: int = 0
@@ -231,7 +232,7 @@ def run(
         if outcome:
             break
         rows.append(state_of(motion, model))
-    doubt = max(doubt, method.doubt())
+    doubt = max(doubt, method.doubt(), method.loss())
     return np.array(rows, dtype=Number), outcome, method.steps, doubt > motion.tolerance
 
 
@@ -253,30 +254,47 @@ def unwind(plant: Plant, states: np.ndarray, others: np.ndarray) -> None:
     others[:, i] += turns * TURN
 
 
-def judge(
-    kernel: Any, plant: Plant, motion: Motion, rng: random.Random, hints: bool = True
-) -> Outcome:
+@dataclass
+class References:
+    """A point's exact motion, and how much it magnifies a change of its numbers: found once."""
+
+    plant: Plant
+    motion: Motion
+    rng: random.Random
+    known: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.exact = exact(self.plant, self.motion)
+
+    def conditioning(self) -> float:
+        """The largest of three changes of all numbers; at least 1."""
+        assert self.exact is not None
+        if self.known == 0.0:
+            self.known = 1.0
+            for _ in range(3):
+                factors = [1.0 + CHANGE * self.rng.choice((-1.0, 1.0)) for _ in range(40)]
+                other = exact(self.plant, self.motion, factors)
+                if other is not None:
+                    change = difference(self.plant, self.motion, self.exact, other.states) / CHANGE
+                    self.known = max(self.known, change)
+        return self.known
+
+
+def judge(kernel: Any, references: References, hints: bool) -> Outcome:
     """The verdict on a point."""
-    reference = exact(plant, motion)
+    plant, motion, reference = references.plant, references.motion, references.exact
     if reference is None:
-        return Outcome("no reference")
+        return Outcome("no reference", hints)
     most = reference.most
     result, failure, steps, warned = run(kernel, plant, motion, hints)
-    outcome = Outcome("right", steps=steps, reference_steps=most, warned=warned)
+    outcome = Outcome("right", hints, steps=steps, reference_steps=most, warned=warned)
     if failure:
         outcome.verdict = "failed" if most < EASY else "excused"
         outcome.detail = f"outcome {failure} in part {len(result)}"
         return outcome
     unwind(plant, reference.states, result)
     outcome.error = difference(plant, motion, reference, result)
-    conditioning = 1.0
-    if outcome.error > MARGIN * motion.tolerance:
-        for _ in range(3):
-            factors = [1.0 + CHANGE * rng.choice((-1.0, 1.0)) for _ in range(40)]
-            other = exact(plant, motion, factors)
-            if other is not None:
-                change = difference(plant, motion, reference, other.states) / CHANGE
-                conditioning = max(conditioning, change)
+    conditioning = references.conditioning() if outcome.error > MARGIN * motion.tolerance else 1.0
     outcome.conditioning = conditioning
     if not outcome.error <= MARGIN * motion.tolerance * conditioning:
         if not warned:
@@ -288,7 +306,9 @@ def judge(
     return outcome
 
 
-def campaign(name: str, count: int, seed: int, first: int = 0, hints: bool = True) -> list[Outcome]:
+def campaign(
+    name: str, count: int, seed: int, first: int = 0, hints: tuple[bool, ...] = (True, False)
+) -> list[Outcome]:
     """The outcomes of `count` points from number `first` on; the bad ones are printed."""
     plant = PLANTS[name]
     kernel = ours.compiled_kernel()
@@ -296,11 +316,13 @@ def campaign(name: str, count: int, seed: int, first: int = 0, hints: bool = Tru
     for number in range(first, first + count):
         rng = random.Random(f"{name} {seed} {number}")
         motion = plant.draw(rng)
-        outcome = judge(kernel, plant, motion, rng, hints)
-        outcomes.append(outcome)
-        if outcome.verdict not in ("right", "no reference", "excused"):
-            where = f"{name} seed {seed} point {number}, tolerance {motion.tolerance:.1e}"
-            print(f"{where}: {outcome}", flush=True)
+        references = References(plant, motion, rng)
+        for with_hints in hints:
+            outcome = judge(kernel, references, with_hints)
+            outcomes.append(outcome)
+            if outcome.verdict not in ("right", "no reference", "excused"):
+                where = f"{name} seed {seed} point {number}, tolerance {motion.tolerance:.1e}"
+                print(f"{where}: {outcome}", flush=True)
     return outcomes
 
 
@@ -311,14 +333,15 @@ def main() -> None:
     parser.add_argument("count", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--without-hints", action="store_true")
+    parser.add_argument("--hints", choices=("with", "without"))
     chosen = parser.parse_args()
-    found = campaign(
-        chosen.plant, chosen.count, chosen.seed, chosen.first, not chosen.without_hints
-    )
-    print(Counter(one.verdict for one in found))
-    print("warned", sum(one.warned for one in found), "of", len(found))
-    print("most steps", max(one.steps for one in found))
+    hints = (True, False) if chosen.hints is None else (chosen.hints == "with",)
+    found = campaign(chosen.plant, chosen.count, chosen.seed, chosen.first, hints)
+    for one in hints:
+        some = [outcome for outcome in found if outcome.hints == one]
+        print("with hints:" if one else "without hints:", dict(Counter(o.verdict for o in some)))
+        print("    warned", sum(o.warned for o in some), "of", len(some))
+        print("    most steps", max(o.steps for o in some))
 
 
 if __name__ == "__main__":

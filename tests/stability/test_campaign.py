@@ -13,14 +13,14 @@ pytest.importorskip("heyoka")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hints", [True, False])
 @pytest.mark.parametrize("name", PLANTS)
-def test_no_motion_is_wrong_in_silence(name: str, hints: bool) -> None:
-    outcomes = campaign(name, 150, 5, hints=hints)
+def test_no_motion_is_wrong_in_silence(name: str) -> None:
+    """With and without what models say of their motion beforehand."""
+    outcomes = campaign(name, 150, 5)
     bad = [one for one in outcomes if one.verdict in ("wrong", "failed", "dear")]
     assert not bad
-    assert sum(one.verdict == "doubtful" for one in outcomes) <= 1
-    assert sum(one.verdict == "no reference" for one in outcomes) <= 15
+    assert sum(one.verdict == "doubtful" for one in outcomes) <= 2
+    assert sum(one.verdict == "no reference" for one in outcomes) <= 30
 
 
 def test_the_reference_has_the_known_digits() -> None:

@@ -215,15 +215,14 @@ class PlantEngine(DerivativeEngine):
             said = watch.linear(error, self.model.remedy("nonlinear"), self.time)
             if said:
                 self.say(WARNING, said)
-        if self.remembers and self.method.CHOOSES_STEP and not watch.said_rounding:
+        if self.remembers and self.method.CHOOSES_STEP:
+            tolerance, setting, time = self.relative, self.tolerance_name(), self.time
             model = self.model
-            said = watch.rounding(
-                max(self.method.doubt(), MAGNIFIED * model.magnification),
-                self.relative,
-                self.tolerance_name(),
-                model.remedy("rounding"),
-                self.time,
-            )
+            doubt = max(self.method.doubt(), MAGNIFIED * model.magnification)
+            said = watch.rounding(doubt, tolerance, setting, model.remedy("rounding"), time)
+            if said:
+                self.say(WARNING, said)
+            said = watch.growth(self.method.loss(), tolerance, setting, time)
             if said:
                 self.say(WARNING, said)
 

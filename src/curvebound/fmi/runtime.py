@@ -44,7 +44,10 @@ VISIBLE = {
         *("q0", "q1", "v0", "v1", "magnification"),
         *("start", "set_inputs", "get_state", "set_state"),
     ),
-    "Method": ("steps", "evaluations", "doubt", "advance", "reset", "get_state", "set_state"),
+    "Method": (
+        *("steps", "evaluations", "doubt", "loss", "advance", "reset"),
+        *("get_state", "set_state"),
+    ),
     "Engine": (
         *("queue", "do_step", "get_real", "set_real", "get_integer", "set_integer"),
         *("setup_experiment", "enter_initialization", "exit_initialization", "terminate", "reset"),

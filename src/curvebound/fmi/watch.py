@@ -28,6 +28,8 @@ _AIM: Final = 0.3
 _GENEROUS: Final = 1.5
 #: share of the motion in doubt from which no tolerance can be kept
 _HOPELESS: Final = 0.01
+#: tolerance below which steps gain nothing
+_CLOSEST: Final = 1e-14
 #: internal steps between looks: a part of those made so far, and at most so many
 _GROWTH: Final = 4
 LONGEST_PAUSE: Final = 512
@@ -47,6 +49,7 @@ class Watch:
         self.said_drift: bool = False
         self.said_linear: bool = False
         self.said_rounding: bool = False
+        self.said_growth: bool = False
         #: J, largest kinetic energy and largest change of the potential one met so far
         self.moved: float = 0.0
 
@@ -122,3 +125,17 @@ class Watch:
         if doubt > _HOPELESS:
             return f"{told}start farther from where the motion is unstable: no tolerance helps"
         return f"{told}raise {setting} to {_GENEROUS * doubt:.0e}"
+
+    def growth(self, loss: float, tolerance: float, setting: str, time: float) -> str:
+        """The warning that errors of steps have outgrown `tolerance`, which `setting` gives, or ''.
+
+        loss: the relative error that they can have grown to.
+        """
+        if self.said_growth or not loss > tolerance:
+            return ""
+        self.said_growth = True
+        closer = max(tolerance * tolerance / (_GENEROUS * loss), _CLOSEST)
+        return (
+            f"the motion up to time {time:.6g} s magnifies errors of steps to {loss:.1g} of it, "
+            f"more than {setting} = {tolerance:g}: to keep to that, lower it to {closer:.0e}"
+        )

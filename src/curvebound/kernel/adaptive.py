@@ -37,6 +37,8 @@ SHARE: Final = 0.2
 LEAST_SHARE: Final = 1e-16
 #: errors that grow are held no closer than this: rounding then decides
 CLOSEST: Final = 1e-14
+#: nor is anything than this where rounding has made more than the tolerance already
+SPOILT: Final = 1e-13
 #: smallest step relative to the communication step, and that below which the state has to move
 RESOLUTION: Final = 1e-22
 SHORT: Final = 1e-14
@@ -119,8 +121,8 @@ class Adaptive(Method):
     def set_state(self, state: list[float]) -> None:
         self.wished, self.log_error, self.stiff.wished = state[:3]
         self.rounding.set_state(state[3:11])
-        self.growth.set_state(state[11:18])
-        self.collocation.set_state(state[18:])
+        self.growth.set_state(state[11:27])
+        self.collocation.set_state(state[27:])
 
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
@@ -141,6 +143,9 @@ class Adaptive(Method):
 
     def doubt(self) -> float:
         return self.rounding.doubt
+
+    def loss(self) -> float:
+        return self.growth.lost
 
     def reach(self, model: Model, duration: float, tolerance: float, max_steps: int) -> int:
         """The steps of advance()."""
@@ -219,6 +224,8 @@ class Adaptive(Method):
             # an error of time made here counts by what is fastest
             allowed = share / max(1.0, pace * h)
             allowed = max(allowed / growth.closer, min(allowed, CLOSEST), LEAST_SHARE)
+            if rounding.doubt > tolerance:
+                allowed = max(allowed, SPOILT)
             q0 = model.q0
             q1 = model.q1
             try:
@@ -246,7 +253,7 @@ class Adaptive(Method):
                 rounding.note_time(t + h, collocation.a7, collocation.b7)
                 gained0 = collocation.a7 - a0
                 gained1 = collocation.b7 - a1
-                growth.follow(model, rounding, t + h, h, moved0, moved1, gained0, gained1)
+                growth.follow(model, rounding, t + h, h, moved0, moved1, gained0, gained1, allowed)
                 pace = rounding.pace() / CALM
                 if ends:
                     return DONE

@@ -20,36 +20,82 @@ UNIT_ROUNDOFF: Final = 1.1102230246251565e-16
 #: slopes below this part of the largest are rounding
 FLAT: Final = 1e-6
 #: growth of the motion itself from which on errors are held closer
-LEAST: Final = 10.0
+LEAST: Final = 3.0
+#: share of what steps are allowed that is met by errors, as they add up
+MET: Final = 0.03
 #: logarithm of the growth in one step, at most
 MOST: Final = 100.0
 TINY: Final = 1e-300
 
 
 class Stretch:
-    """The present unstable stretch of one coordinate."""
+    """The present unstable stretch of one coordinate, and its errors before."""
 
     def __init__(self) -> None:
-        #: of the rate, what rounding can have made of it; 0: there is no stretch
+        #: errors of a step in rate and coordinate, each times itself, the largest so far; way: of
+        #: the coordinate, at most about that there and back
+        self.made: float = 0.0
+        self.off: float = 0.0
+        self.way: float = 0.0
+        #: of the rate, what rounding can have made of it, and errors of steps; 0: no stretch
         self.error: float = 0.0
+        self.slack: float = 0.0
         #: by what errors made at its begin have grown, and the fastest rate until then
         self.grown: float = 1.0
         self.first: float = 0.0
 
+    def forget(self) -> None:
+        """Before a first step."""
+        self.leave()
+        self.made = self.off = self.way = 0.0
+
     def take(self, other: Stretch) -> None:
         """Remember what `other` does."""
-        self.error, self.grown, self.first = other.error, other.grown, other.first
+        self.made, self.off, self.way = other.made, other.off, other.way
+        self.error, self.slack = other.error, other.slack
+        self.grown, self.first = other.grown, other.first
+
+    def get_state(self) -> list[float]:
+        """What is remembered from one communication step to the next."""
+        return [self.made, self.off, self.way, self.error, self.slack, self.grown, self.first]
+
+    def set_state(self, state: list[float]) -> None:
+        """Return to what get_state() gave."""
+        self.made, self.off, self.way = state[:3]
+        self.error, self.slack, self.grown, self.first = state[3:]
+
+    def leave(self) -> None:
+        """At the end of the stretch."""
+        self.error = self.slack = 0.0
+
+    def move(self, moved: float, speed: float, allowed: float, size: float, fast: float) -> None:
+        """Take in a step that moved by this, with an error relative to the rates that was allowed.
+
+        Errors of slow and of short motion count by what they are for its energy. size, fast: the
+        largest coordinate and rate so far.
+        """
+        self.way = min(self.way + math.fabs(moved), 2.0 * size)
+        met = MET * allowed
+        self.off = max(self.off, met * self.way * self.way)
+        self.made = max(self.made, met * speed * speed)
 
     def grow(
-        self, h: float, rate: float, moved: float, gained: float, noise: float, fast: float
+        self,
+        h: float,
+        rate: float,
+        moved: float,
+        gained: float,
+        fast: float,
+        noise: float,
+        strain: float,
     ) -> None:
         """Go on by a step of h s, in which coordinate and acceleration changed by these.
 
-        rate: the fastest rate of growth, 1/s. noise: rounding of the acceleration. fast: the
-        fastest rate of the coordinate so far.
+        rate: the fastest rate of growth, 1/s. fast: the fastest rate of the coordinate so far.
+        noise, strain: of the acceleration, by rounding and by errors of steps.
         """
         if not moved * gained > 0.0:
-            self.error = 0.0
+            self.leave()
             return
         grows = math.exp(min(h * min(rate, math.sqrt(gained / moved)), MOST))
         if self.error == 0.0:
@@ -58,13 +104,15 @@ class Stretch:
         else:
             self.grown *= grows
         self.error = max(self.error, UNIT_ROUNDOFF * fast) * grows + h * noise
+        self.slack = max(self.slack, self.made / self.first) * grows + h * strain
 
 
 class Growth:
-    """The unstable stretches of both coordinates, and what they ask of the steps that follow.
+    """The unstable stretches of both coordinates, and what they make of errors of steps.
 
     A motion that leaves the neighbourhood of a rest grows by a factor. Where it returns, errors
-    made meanwhile grow by the square of it, and so much closer are they to be held.
+    made meanwhile grow by the square of it, and so much closer are they to be held. What was made
+    before that was known is lost.
     """
 
     def __init__(self) -> None:
@@ -72,33 +120,37 @@ class Growth:
         self.stretch1 = Stretch()
         #: by how much closer
         self.closer: float = 1.0
+        #: what errors of steps can have grown to, relative to the rates
+        self.lost: float = 0.0
 
     def forget(self) -> None:
         """Before a first step."""
-        self.leave()
+        self.stretch0.forget()
+        self.stretch1.forget()
         self.closer = 1.0
+        self.lost = 0.0
 
     def leave(self) -> None:
         """At the end of both stretches."""
-        self.stretch0.error = 0.0
-        self.stretch1.error = 0.0
+        self.stretch0.leave()
+        self.stretch1.leave()
 
     def take(self, other: Growth) -> None:
         """Remember what `other` does."""
         self.stretch0.take(other.stretch0)
         self.stretch1.take(other.stretch1)
-        self.closer = other.closer
+        self.closer, self.lost = other.closer, other.lost
 
     def get_state(self) -> list[float]:
         """What is remembered from one communication step to the next."""
-        one, two = self.stretch0, self.stretch1
-        return [one.error, one.grown, one.first, two.error, two.grown, two.first, self.closer]
+        both = [*self.stretch0.get_state(), *self.stretch1.get_state()]
+        return [*both, self.closer, self.lost]
 
     def set_state(self, state: list[float]) -> None:
         """Return to what get_state() gave."""
-        one, two = self.stretch0, self.stretch1
-        one.error, one.grown, one.first = state[:3]
-        two.error, two.grown, two.first, self.closer = state[3:]
+        self.stretch0.set_state(state[:7])
+        self.stretch1.set_state(state[7:14])
+        self.closer, self.lost = state[14:]
 
     def follow(
         self,
@@ -110,33 +162,50 @@ class Growth:
         moved1: float,
         gained0: float,
         gained1: float,
+        allowed: float,
     ) -> None:
-        """Take in a step of h s to time t, in which coordinates and accelerations changed so."""
+        """Take in a step of h s to time t, in which coordinates and accelerations changed so.
+
+        allowed: the error relative to the rates that it was held to.
+        """
+        one, two = self.stretch0, self.stretch1
+        size0, size1, fast0, fast1 = rounding.size0, rounding.size1, rounding.fast0, rounding.fast1
+        one.move(moved0, model.v0, allowed, size0, fast0)
+        two.move(moved1, model.v1, allowed, size1, fast1)
         rate = 0.0
         if moved0 * gained0 > 0.0 or moved1 * gained1 > 0.0:
             rate = growth_rate(model, t)
         if rate == 0.0:
             self.leave()
             return
-        size0 = UNIT_ROUNDOFF * rounding.size0
-        size1 = UNIT_ROUNDOFF * rounding.size1
-        noise0 = math.fabs(model.a0_q0) * size0 + math.fabs(model.a0_q1) * size1
-        noise1 = math.fabs(model.a1_q0) * size0 + math.fabs(model.a1_q1) * size1
-        self.stretch0.grow(h, rate, moved0, gained0, noise0, rounding.fast0)
-        self.stretch1.grow(h, rate, moved1, gained1, noise1, rounding.fast1)
-        rounding.note(self.stretch0.error, rounding.fast0)
-        rounding.note(self.stretch1.error, rounding.fast1)
-        self.ask(self.stretch0, rounding.fast0, rounding.doubt)
-        self.ask(self.stretch1, rounding.fast1, rounding.doubt)
+        off0 = one.off / max(size0, TINY)
+        off1 = two.off / max(size1, TINY)
+        slope0, slope1 = math.fabs(model.a0_q0), math.fabs(model.a0_q1)
+        noise = UNIT_ROUNDOFF * (slope0 * size0 + slope1 * size1)
+        strain = slope0 * off0 + slope1 * off1
+        one.grow(h, rate, moved0, gained0, fast0, noise, strain)
+        slope0, slope1 = math.fabs(model.a1_q0), math.fabs(model.a1_q1)
+        noise = UNIT_ROUNDOFF * (slope0 * size0 + slope1 * size1)
+        strain = slope0 * off0 + slope1 * off1
+        two.grow(h, rate, moved1, gained1, fast1, noise, strain)
+        self.note(one, rounding, fast0)
+        self.note(two, rounding, fast1)
 
-    def ask(self, stretch: Stretch, fast: float, doubt: float) -> None:
-        """Hold errors closer by what the motion has grown, unless rounding leaves nothing of it."""
-        if stretch.error > 0.0:
-            grown = min(stretch.grown, fast / stretch.first)
-            if doubt * grown >= 1.0:
-                self.closer = 1.0
-            elif grown > LEAST:
-                self.closer = max(self.closer, (grown / LEAST) * (grown / LEAST))
+    def note(self, stretch: Stretch, rounding: Rounding, fast: float) -> None:
+        """Note what errors have grown to, and how close further ones are to be held.
+
+        By what the motion itself has grown, unless rounding leaves nothing of it.
+        """
+        if stretch.error == 0.0:
+            return
+        rounding.note(stretch.error, fast)
+        if stretch.slack > self.lost * fast:
+            self.lost = max(self.lost, stretch.slack / max(fast, stretch.slack))
+        grown = min(stretch.grown, fast / stretch.first)
+        if rounding.doubt * grown >= 1.0:
+            self.closer = 1.0
+        elif grown > LEAST:
+            self.closer = max(self.closer, (grown / LEAST) * (grown / LEAST))
 
 
 def growth_rate(model: Model, t: float) -> float:

@@ -77,6 +77,13 @@ class Method:
         """
         return 0.0
 
+    def loss(self) -> float:
+        """What errors of steps, relative to the rates, can have grown to so far; 0: unknown.
+
+        In proportion to the tolerance, which is not kept where this exceeds it.
+        """
+        return 0.0
+
     def get_state(self) -> list[float]:
         """What the method carries from step to step, counters excepted."""
         return []
