@@ -209,6 +209,38 @@ def test_a_hint_left_out_is_not_wrong_in_silence(hinted: bool) -> None:
     assert off < (1e-8 if hinted else 1e-4)
 
 
+def test_a_violent_moment_is_not_the_size_of_what_follows() -> None:
+    """Past the top with 1e15 m/s2: its rounding excused any step that followed."""
+    model = KERNEL.system(
+        "ParabolaPendulum",
+        {
+            "gravity.y": 9.81,
+            "slider.mass": 21.77502307326711,
+            "pendulum.mass": 64865788940.80708,
+            "pendulum.length": 64.20445272828498,
+            "slider.damping": 577.6807759401901,
+            "slider.u_start": 6.753210538527953,
+            "slider.u_rate_start": 0.5579642822287277,
+            "pendulum.angle_start": 1.3572861295681922e-07,
+            "parabola.coefficient_start": 0.0,
+        },
+    )
+    pushes = (
+        (-0.33240790520840097, -0.17885211817494878, -65099223.04136012, -961963479.1422068),
+        (-0.16860586431073016, 0.21023978993012618, 1711646548.4498084, -94775760.18822582),
+        (-0.3057571234591957, 0.6382491682918547, -808020469.5303559, 1154882565.6661851),
+        (-0.33103504679253226, -0.2707325828056825, -1400308076.0306203, -1344574622.0358863),
+        (-0.25559418640177645, -0.3091968535447626, 1786297472.4273891, 1916811595.038298),
+    )
+    method = Adaptive()
+    for push in pushes:
+        model.set_inputs([0.0, 0.0, 0.0, *push], 0)
+        assert method.advance(model, 2.8626417190352864, 1, 5.592072033549895e-10, 2000) == DONE
+        model.advance_frame(2.8626417190352864)
+    assert model.q0 == pytest.approx(76.77722744236743, rel=1e-7)
+    assert model.q1 == pytest.approx(4.4336096118977135, rel=1e-7)
+
+
 class Bowl(Model):
     """A bead on the parabola y = a x^2, by the textbook and with nothing else."""
 

@@ -121,8 +121,8 @@ class Adaptive(Method):
     def set_state(self, state: list[float]) -> None:
         self.wished, self.log_error, self.stiff.wished = state[:3]
         self.rounding.set_state(state[3:11])
-        self.growth.set_state(state[11:27])
-        self.collocation.set_state(state[27:])
+        self.growth.set_state(state[11:31])
+        self.collocation.set_state(state[31:])
 
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int

@@ -21,8 +21,10 @@ UNIT_ROUNDOFF: Final = 1.1102230246251565e-16
 FLAT: Final = 1e-6
 #: growth of the motion itself from which on errors are held closer
 LEAST: Final = 3.0
+#: logarithm of the growth that a motion has to show before the Jacobian is asked
+SHOWN: Final = 2.0
 #: share of what steps are allowed that is met by errors, as they add up
-MET: Final = 0.03
+MET: Final = 0.02
 #: logarithm of the growth in one step, at most
 MOST: Final = 100.0
 TINY: Final = 1e-300
@@ -37,10 +39,13 @@ class Stretch:
         self.made: float = 0.0
         self.off: float = 0.0
         self.way: float = 0.0
-        #: of the rate, what rounding can have made of it, and errors of steps; 0: no stretch
+        #: logarithm of the growth that the motion shows, and the time (s) that it takes
+        self.shown: float = 0.0
+        self.span: float = 0.0
+        #: of the rate, what rounding can have made of it, and errors of steps; 0: none known
         self.error: float = 0.0
         self.slack: float = 0.0
-        #: by what errors made at its begin have grown, and the fastest rate until then
+        #: by what errors made at its begin have grown, and the fastest rate then
         self.grown: float = 1.0
         self.first: float = 0.0
 
@@ -52,59 +57,71 @@ class Stretch:
     def take(self, other: Stretch) -> None:
         """Remember what `other` does."""
         self.made, self.off, self.way = other.made, other.off, other.way
+        self.shown, self.span = other.shown, other.span
         self.error, self.slack = other.error, other.slack
         self.grown, self.first = other.grown, other.first
 
+    # fmt: off
     def get_state(self) -> list[float]:
         """What is remembered from one communication step to the next."""
-        return [self.made, self.off, self.way, self.error, self.slack, self.grown, self.first]
+        return [
+            self.made, self.off, self.way, self.shown, self.span, self.error, self.slack,
+            self.grown, self.first,
+        ]
+    # fmt: on
 
     def set_state(self, state: list[float]) -> None:
         """Return to what get_state() gave."""
-        self.made, self.off, self.way = state[:3]
-        self.error, self.slack, self.grown, self.first = state[3:]
+        self.made, self.off, self.way, self.shown, self.span = state[:5]
+        self.error, self.slack, self.grown, self.first = state[5:]
 
     def leave(self) -> None:
         """At the end of the stretch."""
-        self.error = self.slack = 0.0
+        self.shown = self.span = self.error = self.slack = self.first = 0.0
+        self.grown = 1.0
 
-    def move(self, moved: float, speed: float, allowed: float, size: float, fast: float) -> None:
-        """Take in a step that moved by this, with an error relative to the rates that was allowed.
+    def move(
+        self,
+        h: float,
+        moved: float,
+        gained: float,
+        speed: float,
+        allowed: float,
+        size: float,
+        fast: float,
+    ) -> bool:
+        """Take in a step of h s, in which coordinate and acceleration changed by these.
 
-        Errors of slow and of short motion count by what they are for its energy. size, fast: the
-        largest coordinate and rate so far.
+        Returns whether they show growth enough to be looked into. allowed: the error relative to
+        the rates that the step was held to; those of slow and of short motion count by what they
+        are for its energy. size, fast: the largest coordinate and rate so far.
         """
         self.way = min(self.way + math.fabs(moved), 2.0 * size)
         met = MET * allowed
         self.off = max(self.off, met * self.way * self.way)
         self.made = max(self.made, met * speed * speed)
+        if not moved * gained > 0.0:
+            self.leave()
+            return False
+        if self.span == 0.0 and self.error == 0.0:
+            self.grown = 1.0
+            self.first = max(fast, TINY)
+        self.shown += h * math.sqrt(gained / moved)
+        self.span += h
+        return self.shown > SHOWN or self.error > 0.0
 
-    def grow(
-        self,
-        h: float,
-        rate: float,
-        moved: float,
-        gained: float,
-        fast: float,
-        noise: float,
-        strain: float,
-    ) -> None:
-        """Go on by a step of h s, in which coordinate and acceleration changed by these.
+    def grow(self, rate: float, fast: float, noise: float, strain: float) -> None:
+        """Include what was shown since the last time.
 
         rate: the fastest rate of growth, 1/s. fast: the fastest rate of the coordinate so far.
         noise, strain: of the acceleration, by rounding and by errors of steps.
         """
-        if not moved * gained > 0.0:
-            self.leave()
-            return
-        grows = math.exp(min(h * min(rate, math.sqrt(gained / moved)), MOST))
-        if self.error == 0.0:
-            self.grown = 1.0
-            self.first = max(fast, TINY)
-        else:
-            self.grown *= grows
-        self.error = max(self.error, UNIT_ROUNDOFF * fast) * grows + h * noise
-        self.slack = max(self.slack, self.made / self.first) * grows + h * strain
+        grows = math.exp(min(min(self.span * rate, self.shown), MOST))
+        self.grown *= grows
+        error = max(self.error, UNIT_ROUNDOFF * (fast if self.error > 0.0 else self.first))
+        self.error = error * grows + self.span * noise
+        self.slack = max(self.slack, self.made / self.first) * grows + self.span * strain
+        self.shown = self.span = 0.0
 
 
 class Growth:
@@ -148,9 +165,9 @@ class Growth:
 
     def set_state(self, state: list[float]) -> None:
         """Return to what get_state() gave."""
-        self.stretch0.set_state(state[:7])
-        self.stretch1.set_state(state[7:14])
-        self.closer, self.lost = state[14:]
+        self.stretch0.set_state(state[:9])
+        self.stretch1.set_state(state[9:18])
+        self.closer, self.lost = state[18:]
 
     def follow(
         self,
@@ -170,34 +187,33 @@ class Growth:
         """
         one, two = self.stretch0, self.stretch1
         size0, size1, fast0, fast1 = rounding.size0, rounding.size1, rounding.fast0, rounding.fast1
-        one.move(moved0, model.v0, allowed, size0, fast0)
-        two.move(moved1, model.v1, allowed, size1, fast1)
-        rate = 0.0
-        if moved0 * gained0 > 0.0 or moved1 * gained1 > 0.0:
-            rate = growth_rate(model, t)
+        grows0 = one.move(h, moved0, gained0, model.v0, allowed, size0, fast0)
+        grows1 = moved1 != 0.0 and two.move(h, moved1, gained1, model.v1, allowed, size1, fast1)
+        if not grows0 and not grows1:
+            return
+        rate = growth_rate(model, t)
         if rate == 0.0:
-            self.leave()
+            one.leave()
+            two.leave()
             return
         off0 = one.off / max(size0, TINY)
         off1 = two.off / max(size1, TINY)
-        slope0, slope1 = math.fabs(model.a0_q0), math.fabs(model.a0_q1)
-        noise = UNIT_ROUNDOFF * (slope0 * size0 + slope1 * size1)
-        strain = slope0 * off0 + slope1 * off1
-        one.grow(h, rate, moved0, gained0, fast0, noise, strain)
-        slope0, slope1 = math.fabs(model.a1_q0), math.fabs(model.a1_q1)
-        noise = UNIT_ROUNDOFF * (slope0 * size0 + slope1 * size1)
-        strain = slope0 * off0 + slope1 * off1
-        two.grow(h, rate, moved1, gained1, fast1, noise, strain)
-        self.note(one, rounding, fast0)
-        self.note(two, rounding, fast1)
+        size0 *= UNIT_ROUNDOFF
+        size1 *= UNIT_ROUNDOFF
+        if grows0:
+            slope0, slope1 = math.fabs(model.a0_q0), math.fabs(model.a0_q1)
+            one.grow(rate, fast0, slope0 * size0 + slope1 * size1, slope0 * off0 + slope1 * off1)
+            self.note(one, rounding, fast0)
+        if grows1:
+            slope0, slope1 = math.fabs(model.a1_q0), math.fabs(model.a1_q1)
+            two.grow(rate, fast1, slope0 * size0 + slope1 * size1, slope0 * off0 + slope1 * off1)
+            self.note(two, rounding, fast1)
 
     def note(self, stretch: Stretch, rounding: Rounding, fast: float) -> None:
         """Note what errors have grown to, and how close further ones are to be held.
 
         By what the motion itself has grown, unless rounding leaves nothing of it.
         """
-        if stretch.error == 0.0:
-            return
         rounding.note(stretch.error, fast)
         if stretch.slack > self.lost * fast:
             self.lost = max(self.lost, stretch.slack / max(fast, stretch.slack))

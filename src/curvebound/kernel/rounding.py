@@ -24,6 +24,8 @@ TREMBLING: Final = 1e-3
 TINY: Final = 1e-300
 #: relative distance of states that are compared
 AWAY: Final = 1e-11
+#: how far accelerations, larger before, exceed those of the slopes if they still cancel
+CANCELLING: Final = 1e4
 #: accelerations that are compared
 PROBES: Final = 3
 #: how far others may scatter beyond those
@@ -185,7 +187,8 @@ class Rounding:
     def look_closely(self, model: Model, t: float) -> None:
         """Find it also from how the accelerations scatter between states that are all but equal.
 
-        That shows what cancels within them, too, and so do accelerations that were larger.
+        That shows what cancels within them, too, and so do accelerations that were larger, unless
+        they were those of a place that is too violent to be compared with.
         """
         self.look(model, t)
         self.estimate(model, t)
@@ -193,18 +196,29 @@ class Rounding:
     def look(self, model: Model, t: float) -> None:
         """Include the scatter, and half of what was seen of it before, for a few values err."""
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
-        self.scatter0 = max(0.5 * self.scatter0, SPREAD * self.most0)
-        self.scatter1 = max(0.5 * self.scatter1, SPREAD * self.most1)
+        most0 = self.most0
+        most1 = self.most1
         try:
             # far enough for all digits to differ, less what is slope
             model.jacobian(t, q0, q1, v0, v1)
             j00, j01, j10, j11 = model.a0_q0, model.a0_q1, model.a1_q0, model.a1_q1
             k00, k01, k10, k11 = model.a0_v0, model.a0_v1, model.a1_v0, model.a1_v1
             step = AWAY
+            part = CANCELLING * max(
+                (math.fabs(j00) * self.size0 + math.fabs(j01) * self.size1) / (most0 + TINY),
+                (math.fabs(j10) * self.size0 + math.fabs(j11) * self.size1) / (most1 + TINY),
+            )
+            if part < 1.0:
+                most0 *= part
+                most1 *= part
         except NotImplementedError:
             j00 = j01 = j10 = j11 = k00 = k01 = k10 = k11 = 0.0
             step = EPSILON
         except (ArithmeticError, ValueError):
+            step = 0.0
+        self.scatter0 = max(0.5 * self.scatter0, SPREAD * most0)
+        self.scatter1 = max(0.5 * self.scatter1, SPREAD * most1)
+        if step == 0.0:
             return
         try:
             # not those that a step ended with: they are as good as its sweeps have converged
