@@ -19,7 +19,7 @@ __all__ = ["Growth"]
 UNIT_ROUNDOFF: Final = 1.1102230246251565e-16
 #: slopes below this part of the largest are rounding
 FLAT: Final = 1e-6
-#: growth of the motion itself from which on errors are held closer
+#: growth that counts, and that of the motion itself from which on errors are held closer
 LEAST: Final = 3.0
 #: logarithm of the growth that a motion has to show before the Jacobian is asked
 SHOWN: Final = 2.0
@@ -214,6 +214,8 @@ class Growth:
 
         By what the motion itself has grown, unless rounding leaves nothing of it.
         """
+        if stretch.grown <= LEAST:
+            return
         rounding.note(stretch.error, fast)
         if stretch.slack > self.lost * fast:
             self.lost = max(self.lost, stretch.slack / max(fast, stretch.slack))
