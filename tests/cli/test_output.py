@@ -26,6 +26,9 @@ def test_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
     assert (radius["unit"], radius["start"], radius["causality"]) == ("m", 1.0, "parameter")
     scene = given(capsys, "show", "inverted_balance")
     assert scene["needs"] == {"plant.slider.u": 1e-2, "plant.pendulum.angle": 1e-2}
+    assert scene["units"]["plant.pendulum.angle"] == "rad"
+    model = given(capsys, "linearize", "BeadOnWire", "--input", "bead.fx")
+    assert (model["inputs"], model["units"]["bead.fx"]) == (["bead.fx"], "N")
     assert {"name", "fmu", "start"} == set(scene["components"][0])
     (first, *_) = given(capsys, "show", "solver.method")["found"]
     assert first["items"]["adaptive"] == 4

@@ -26,7 +26,7 @@ def test_a_scene_shows_what_it_joins_and_needs(capsys: pytest.CaptureFixture[str
     assert "reference.pendulum_angle = 3.14159" in text
     assert "drive.parabola.ax plant.parabola.ax" in text
     assert "plant.pendulum.fx varies with time" in text
-    assert "plant.slider.u error below 0.01" in text
+    assert "plant.slider.u error below 0.01 m" in text
 
 
 def test_a_variable_shows_unit_range_and_the_numbers_of_its_items(

@@ -71,6 +71,9 @@ def test_files(tmp_path: Path) -> None:
         assert list(arrays["states"]) == list(model.states)
     with pytest.raises(CurveboundError, match="neither"):
         model.write(tmp_path / "bead.csv")
+    assert {path.name for path in tmp_path.iterdir()} == {"bead.json", "bead.npz"}
+    with pytest.raises(CurveboundError, match="cannot be written"):
+        model.write(tmp_path / "bead.json" / "bead.npz")
 
 
 def test_unknown_names_are_refused() -> None:

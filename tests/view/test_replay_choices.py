@@ -100,7 +100,7 @@ def test_it_tells_what_it_shows_and_what_differs(tab: Tab, tmp_path: Path) -> No
     found = differences(scenes)
     assert [(one.path, one.unit) for one in found] == [("drive.sample.period", "s")]
     assert found[0].values == (0.02, 0.1, 0.2, 0.22)
-    assert own_label(found, 0) == "period 0.02 s"
+    assert own_label(found, 0) == "period 20 ms"
     about = About("a loop <at> several periods", found, {"Gallery": "index.html"})
     out = write_replay(
         [(name, GOOD) for name in ("0.02 s", *scene.variants)], tmp_path / "a.html", about=about
@@ -112,6 +112,13 @@ def test_it_tells_what_it_shows_and_what_differs(tab: Tab, tmp_path: Path) -> No
     row = "[...document.querySelectorAll('#differing tr:last-child > *')].map((e) => e.textContent)"
     assert tab.run(row) == ["drive.sample.period", "0.02 s", "0.1 s", "0.2 s", "0.22 s"]
     assert tab.errors == []
+
+
+def test_components_that_differ_alike_are_named_once() -> None:
+    scene = load_scene("two_wires")
+    found = differences([scene, scene.with_variant("coarse")])
+    assert len(found) == 2
+    assert own_label(found, 1) == "step 16.7 ms"
 
 
 def test_scenes_that_are_the_same_differ_in_nothing() -> None:

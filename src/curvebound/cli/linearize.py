@@ -3,21 +3,23 @@
 examples:
   curvebound linearize MySystem --input wire.ax --output rod.tension
   curvebound linearize systems/my_system --set rod.angle=3.1 --equilibrium --out model.npz
+
+--json: A, B, C, D, states, inputs, outputs, their units by name, x0, u0, y0 and rest, x' at x0.
 """
 
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..output import aligned, say
+from ..output import aligned, hand_out, say
 
 if TYPE_CHECKING:
     from ..study.linear_model import LinearModel
 
 NAME = "linearize"
 HELP = "the linear model of a system about a state, for control design"
+AS_JSON = True
 #: largest rate, in its unit, of a state that rests
 _REST = 1e-12
 #: what is left of zero by the digits in which the equations are differentiated is far below
@@ -26,7 +28,7 @@ _ZERO = 1e-30
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    from ..arguments import setting
+    from ..arguments import file_of, setting
 
     parser.add_argument("system", metavar="SYSTEM", help="name or folder of a system")
     parser.add_argument(
@@ -44,7 +46,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--equilibrium", action="store_true", help="about the state of rest next to this one"
     )
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write FILE.npz or FILE.json")
+    parser.add_argument(
+        "--out", type=file_of(".npz", ".json"), metavar="FILE", help="write FILE.npz or FILE.json"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -62,6 +66,7 @@ def run(options: argparse.Namespace) -> int:
     if options.out:
         model.write(options.out)
         say(options, str(options.out))
+    hand_out(options, model.data())
     return 0
 
 

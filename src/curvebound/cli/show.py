@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import CurveboundError, nearest
+from ..numbers import quantity
 from ..output import console_of, hand_out
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from ..cosim.fmu import Fmu, Variable
     from ..cosim.scene import Scene
+    from ..cosim.system import System
 
 NAME = "show"
 HELP = "what a scene, an FMU or a variable is"
@@ -163,7 +165,13 @@ def _scene_data(scene: Scene) -> Data:
         },
         "variants": scene.variants,
         "needs": scene.needs.errors,
+        "units": {path: _unit(system, path) for path in (*scene.inputs, *scene.needs.errors)},
     }
+
+
+def _unit(system: System, path: str) -> str:
+    name, _, variable = path.partition(".")
+    return system.nodes[name].fmu.variables[variable].unit or "1"
 
 
 # as tables
@@ -257,7 +265,10 @@ def _show_scene(console: Console, data: Data) -> None:
             name: ", ".join(f"{k} = {_word(v)}" for k, v in values.items())
             for name, values in data["variants"].items()
         },
-        "needs": {path: f"error below {bound:g}" for path, bound in data["needs"].items()},
+        "needs": {
+            path: f"error below {quantity(bound, data['units'][path])}"
+            for path, bound in data["needs"].items()
+        },
     }
     for title, entries in tables.items():
         if entries:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ..numbers import quantity
 from .capabilities import located
 from .fmu import Value, Variable, read_fmu
 from .scene_data import SceneData
@@ -36,15 +37,16 @@ def differences(scenes: Sequence[SceneData]) -> list[Difference]:
 
 
 def own_label(found: Sequence[Difference], number: int) -> str:
-    """What a scene is called after its own settings, where it differs in one or two; or ''."""
-    if not 0 < len(found) <= 2:
-        return ""
-    words = []
+    """What a scene is called after its own settings, where it differs in one or two; or ''.
+
+    Components that differ alike count once.
+    """
+    words: dict[str, None] = {}
     for path, unit, values in found:
         value = values[number]
-        text = f"{value:g}" if isinstance(value, float) else str(value)
-        words.append(f"{path.split('.')[-1]} {text}{f' {unit}' if unit not in ('', '1') else ''}")
-    return ", ".join(words)
+        text = str(value) if isinstance(value, str | bool) else quantity(value, unit)
+        words[f"{path.split('.')[-1]} {text}"] = None
+    return ", ".join(words) if len(words) <= 2 else ""
 
 
 def _settings(scene: SceneData) -> dict[str, Value]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CurveboundError, nearest
+from ..files import write_whole
 from ..fmi.declaration import CHOICE, INPUT, OUTPUT, PARAMETER
 from ..fmi.folder import find
 from ..mechanics.derive import derive
@@ -72,15 +73,21 @@ class LinearModel:
 
     def write(self, path: Path) -> None:
         """Write .npz or .json; CurveboundError for another name."""
-        if path.suffix == ".json":
-            path.write_text(json.dumps(self.data(), indent=1) + "\n", encoding="utf-8")
-        elif path.suffix == ".npz":
-            data = self.data()
+        data = self.data()
+        if path.suffix.lower() == ".json":
+            text = json.dumps(data, indent=1) + "\n"
+            write_whole(path, lambda part: part.write_text(text, encoding="utf-8"))
+        elif path.suffix.lower() == ".npz":
             data["units"] = [data["units"][n] for n in (*self.states, *self.inputs, *self.outputs)]
             arrays: dict[str, Any] = {name: np.array(value) for name, value in data.items()}
-            np.savez(path, **arrays)
+            write_whole(path, lambda part: _savez(part, arrays))
         else:
             raise CurveboundError(f"{path} is neither .npz nor .json: name it so.")
+
+
+def _savez(path: Path, arrays: dict[str, Any]) -> None:
+    with path.open("wb") as file:  # a name alone would get another ending
+        np.savez(file, **arrays)
 
 
 def linearize(
