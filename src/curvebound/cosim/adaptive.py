@@ -27,6 +27,7 @@ from .counters import Counters
 from .instance import DISCARD, CallFailed
 from .scene_parts import ALGORITHMS
 from .schedule import Schedule
+from .system import System
 
 __all__ = ["adaptive_steps"]
 
@@ -60,12 +61,7 @@ def adaptive_steps(
     advance = advance_of(schedule)
     divisor = scales * (2.0**order - 1.0) * settings.tolerance
 
-    # steps end where a table is known to jump: a step across would see the jump late or not at all
-    stops = {
-        math.ceil((time - begin) / quantum * (1.0 - 1e-12))
-        for time in system.stops
-        if begin < time < end
-    }
+    stops = _stops(system, begin, end, quantum)
     most = max(2, int(largest / quantum))
     size = min(max(2, round(first / quantum)), most)
     at = 0
@@ -120,3 +116,12 @@ def adaptive_steps(
                     f"a controlled output is not finite at t = {reached:.6g} s"
                 )
         size = min(most, max(2, int(size * max(_SHRINK, factor))))
+
+
+def _stops(system: System, begin: float, end: float, quantum: float) -> set[int]:
+    """Where steps end, in quanta: a step across a known jump sees it late or not at all."""
+    return {
+        math.ceil((time - begin) / quantum * (1.0 - 1e-12))
+        for time in system.stops
+        if begin < time < end
+    }

@@ -84,15 +84,7 @@ class Prepared:
         begin = self.scene.start_time
         end = self.scene.stop_time if stop_time is None else stop_time
         size = self.scene.step if step is None else step
-        if not end > begin:
-            raise CurveboundError(
-                f"stop_time is {end} s; give one after start_time, {begin} s, of the scene "
-                f"{self.scene.name}."
-            )
-        if not size > 0.0:
-            raise CurveboundError(
-                f"step is {size} s; give the scene {self.scene.name} a macro step above zero."
-            )
+        self._require_times(begin, end, size)
         every = self.scene.record_every
         rows = 1024
         if self.scene.adaptive is None:
@@ -144,6 +136,17 @@ class Prepared:
         if progress is not None:
             progress(end)
         return result
+
+    def _require_times(self, begin: float, end: float, step: float) -> None:
+        if not end > begin:
+            raise CurveboundError(
+                f"stop_time is {end} s; give one after start_time, {begin} s, of the scene "
+                f"{self.scene.name}."
+            )
+        if not step > 0.0:
+            raise CurveboundError(
+                f"step is {step} s; give the scene {self.scene.name} a macro step above zero."
+            )
 
     def _steps(
         self, schedule: Schedule, begin: float, end: float, size: float, counters: Counters

@@ -112,14 +112,7 @@ def build(
     stated = folder.statement()
     sources = runtime()
     own = system_sources(folder, sources)
-    extensions: dict[str, bytes] = {}
-    how = "interpreted (--no-compile)"
-    if compiled:
-        missing = kernel.why_not()
-        how = f"interpreted ({missing})"
-        if not missing:
-            extensions, platforms = kernel.compile_kernel(sources, own)
-            how = f"kernel compiled for CPython 3.10 and later on {' and '.join(platforms)}"
+    extensions, how = _extensions(sources, own) if compiled else ({}, "interpreted (--no-compile)")
     natives = {p: binary for p in binaries.PLATFORMS if (binary := binaries.compile_binary(p))}
     wrapped = len(natives) < len(binaries.PLATFORMS)
     package = sources.package(compiled=bool(extensions))
@@ -160,6 +153,15 @@ def build(
     _write(path, files)
     seconds = time.perf_counter() - began
     return BuiltFmu(name, path, f"{path}: {how}, {path.stat().st_size // 1024} kB, {seconds:.1f} s")
+
+
+def _extensions(sources: Runtime, own: SystemSources) -> tuple[dict[str, bytes], str]:
+    """The compiled kernel, path below the FMU's resources -> content, and what to say of it."""
+    missing = kernel.why_not()
+    if missing:
+        return {}, f"interpreted ({missing})"
+    extensions, platforms = kernel.compile_kernel(sources, own)
+    return extensions, f"kernel compiled for CPython 3.10 and later on {' and '.join(platforms)}"
 
 
 def _digest(sources: Runtime, own: SystemSources, drawing: bytes, stated: dict[str, bytes]) -> str:
