@@ -11,9 +11,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from ..errors import CurveboundError
+from .modules import Unit
 from .repeated import inlined
 from .toolchain import LINUX, WINDOWS, compiler_for
-from .translate import Unit
 from .windows_imports import headers_for_windows, import_libraries
 
 __all__ = ["FLAGS", "SUFFIXES", "compile_c", "cython_version", "write_c"]

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 
-from ..compiling.translate import absolute
+from ..compiling.modules import absolute
 from .folder import DECLARATION, Folder
 
 __all__ = ["REPEATED", "VISIBLE", "Runtime", "SystemSources", "runtime", "system_sources"]
@@ -35,7 +35,9 @@ _INTERPRETED = (
 _OTHERS = ("common", "declaration", "slave", "wrapped")
 _FACES = ("controller", "cutting", "derivatives", "engine", "plant", "table", "watch")
 #: decides, with the sources, what is compiled from them
-_TRANSLATOR = ("c_functions", "extension", "repeated", "rewrite", "translate")
+_TRANSLATOR = (
+    *("c_functions", "extension", "modules", "repeated", "rewrite", "translate", "writer"),
+)
 #: what Python calls of the compiled kernel: class -> attributes and methods, "" -> functions
 VISIBLE = {
     "": ("create",),
