@@ -13,7 +13,7 @@ from pathlib import Path
 from ..errors import CurveboundError
 from .modules import Unit
 from .repeated import inlined
-from .toolchain import LINUX, WINDOWS, compiler_for
+from .toolchain import LINUX, WINDOWS, compiler_for, options_for
 from .windows_imports import headers_for_windows, import_libraries
 
 __all__ = ["FLAGS", "SUFFIXES", "compile_c", "cython_version", "write_c"]
@@ -110,7 +110,7 @@ def compile_c(source: Path, target: str, level: str = "-O2") -> Path:
         done = subprocess.run(
             [
                 *(*command, level, *FLAGS, f"-I{include}", source.name, "-o", result.name),
-                *(*libraries, *_FLAGS_FOR[target]),
+                *(*libraries, *options_for(command, _FLAGS_FOR[target])),
             ],
             cwd=source.parent,
             capture_output=True,

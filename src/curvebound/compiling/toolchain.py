@@ -10,7 +10,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["HERE", "LINUX", "PLATFORMS", "WINDOWS", "compiler", "compiler_for", "compiler_parts"]
+__all__ = [
+    *("HERE", "LINUX", "PLATFORMS", "WINDOWS"),
+    *("compiler", "compiler_for", "compiler_parts", "options_for"),
+]
 
 LINUX = "linux64"
 WINDOWS = "win64"
@@ -24,6 +27,13 @@ HERE = {"linux": LINUX, "win32": WINDOWS}.get(sys.platform, "") if _IS_64_BIT el
 #: in this order, after what CC names
 _NATIVE = ("cc", "clang", "gcc")
 _ZIG_TARGETS = {LINUX: "x86_64-linux-gnu.2.17", WINDOWS: "x86_64-windows-gnu"}
+#: options of GNU's linker -> what zig's has in their place, which does the rest anyway
+_OF_ZIG = {
+    "-l:libdl.so.2": ["-ldl"],
+    "-Wl,-z,noseparate-code": [],
+    "-Wl,--no-insert-timestamp": [],
+    "-static": [],
+}
 #: variables that C compilers heed
 _HEEDED = (
     *("CC", "CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "GCC_EXEC_PREFIX", "COMPILER_PATH"),
@@ -48,6 +58,13 @@ def compiler_for(target: str) -> list[str] | None:
     if importlib.util.find_spec("ziglang") is not None:
         return [sys.executable, "-m", "ziglang", "cc", "-target", _ZIG_TARGETS[target]]
     return None
+
+
+def options_for(command: Sequence[str], options: Sequence[str]) -> list[str]:
+    """Options for GNU's compiler and linker as those of `command` take them."""
+    if "ziglang" not in command:
+        return [*options]
+    return [other for option in options for other in _OF_ZIG.get(option, [option])]
 
 
 def compiler() -> list[str] | None:

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from .. import cache
-from ..compiling.toolchain import compiler_for, compiler_parts
+from ..compiling.toolchain import compiler_for, compiler_parts, options_for
 from ..places import compiled_directory
 
 __all__ = [
@@ -64,7 +64,7 @@ class Platform:
         """What compiles `files` for this platform; empty where there is no compiler for it."""
         flags = _WINDOWS if self.folder == "win64" else _LINUX
         found = compiler_for(self.folder)
-        return [*found, *_FLAGS, *files, *flags] if found else []
+        return [*found, *_FLAGS, *files, *options_for(found, flags)] if found else []
 
     def shipped(self) -> str:
         """The name of the file that comes with an installed package."""
