@@ -52,6 +52,8 @@ def interrupted(words: list[str], journal: Path, lines: int) -> subprocess.Compl
         [sys.executable, "-m", "curvebound", *words],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
         env={**os.environ, "ENDLESS": "1"},
+        # jobs in the background ignore it
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     try:
         give_up = time.monotonic() + 240.0
