@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from ..cosim.fmu import Fmu, Variable
     from ..cosim.scene import Scene
-    from ..cosim.system import System
 
 NAME = "show"
 HELP = "what a scene, an FMU or a variable is"
@@ -137,6 +136,8 @@ def _start(variable: Variable) -> float | str | None:
 
 
 def _scene_data(scene: Scene) -> Data:
+    from ..cosim.system import port_of
+
     system = scene.check()
     return {
         "name": scene.name,
@@ -165,13 +166,11 @@ def _scene_data(scene: Scene) -> Data:
         },
         "variants": scene.variants,
         "needs": scene.needs.errors,
-        "units": {path: _unit(system, path) for path in (*scene.inputs, *scene.needs.errors)},
+        "units": {
+            path: system.variable(port_of(path)).unit or "1"
+            for path in (*scene.inputs, *scene.needs.errors)
+        },
     }
-
-
-def _unit(system: System, path: str) -> str:
-    name, _, variable = path.partition(".")
-    return system.nodes[name].fmu.variables[variable].unit or "1"
 
 
 # as tables

@@ -98,6 +98,7 @@ def run(options: argparse.Namespace) -> int:
 def _tune(options: argparse.Namespace, name: str, console: Any, data: list[dict[str, Any]]) -> int:
     """Tune one scene, and append what was found to `data`."""
     from ..cosim import load_scene
+    from ..cosim.system import port_of
     from ..errors import CurveboundError
     from ..study.settings import study_outputs
     from ..study.tune.script import choice_block, put_choice, script_of
@@ -136,9 +137,7 @@ def _tune(options: argparse.Namespace, name: str, console: Any, data: list[dict[
             choice = tuner.tune(bounds, budget=budget, progress=lambda text: tell(note=text))
         finally:
             tuner.close()
-    known = tuner.space.system.units(
-        (one, name) for one, _, name in (path.partition(".") for path in bounds)
-    )
+    known = tuner.space.system.units(map(port_of, bounds))
     units = {path: known.get(path, "1") for path in bounds}
     lines = _words(scene, bounds, units, choice, budget)
     if tuner.space.is_simpler:

@@ -14,7 +14,7 @@ from ..errors import CurveboundError
 from ..files import write_whole
 from .tables import write_csv
 
-__all__ = ["write_table"]
+__all__ = ["write_npz", "write_table"]
 
 _Write = Callable[[NDArray[Any], Path, Mapping[str, str]], object]
 
@@ -71,9 +71,14 @@ def _parquet(data: NDArray[Any], path: Path, units: Mapping[str, str]) -> None:
     pyarrow.parquet.write_table(table, path)
 
 
-def _npz(data: NDArray[Any], path: Path, units: Mapping[str, str]) -> None:
+def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write arrays as .npz to just this path: np.savez would add an ending to some names."""
     with path.open("wb") as file:
-        np.savez(file, **_columns(data), units=np.array([*units.items()], dtype=str))  # type: ignore[arg-type]
+        np.savez(file, **arrays)  # type: ignore[arg-type]
+
+
+def _npz(data: NDArray[Any], path: Path, units: Mapping[str, str]) -> None:
+    write_npz(path, {**_columns(data), "units": np.array([*units.items()], dtype=str)})
 
 
 _WRITERS: dict[str, _Write] = {".json": _json, ".parquet": _parquet, ".npz": _npz}

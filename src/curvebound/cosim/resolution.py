@@ -17,10 +17,10 @@ from .signals import Signal, signal
 from .system import Link, Node, Port, System
 from .system import path_of as _path
 
+__all__ = ["resolve"]
+
 #: the algorithms that a slope of the inputs raises by an order
 _HOLDING = [name for name, algorithm in ALGORITHMS.items() if algorithm.order == 1]
-
-__all__ = ["resolve"]
 
 
 def resolve(scene: SceneData) -> System:

@@ -15,7 +15,7 @@ from .graph import Loop
 from .scene_data import SceneData
 from .signals import Signal, value_of
 
-__all__ = ["Link", "Node", "Port", "System", "path_of"]
+__all__ = ["Link", "Node", "Port", "System", "path_of", "port_of"]
 
 Port = tuple[str, str]  # component, variable
 
@@ -138,3 +138,9 @@ class System:
 def path_of(port: Port) -> str:
     """component.variable"""
     return f"{port[0]}.{port[1]}"
+
+
+def port_of(path: str) -> Port:
+    """The component and the variable of a path."""
+    component, _, variable = path.partition(".")
+    return component, variable

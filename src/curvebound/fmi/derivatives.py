@@ -2,10 +2,25 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from .engine import INITIALIZATION, INSTANTIATED, Engine
 from .table import COUNT, INPUT, LARGEST, OUTPUT, OVERFLOW
 
 __all__ = ["DerivativeEngine"]
+
+_NO_INPUT: Final = "is no input: fmi2SetRealInputDerivatives sets derivatives of inputs alone"
+_NO_OUTPUT: Final = (
+    "has no derivative: fmi2GetRealOutputDerivatives gives those of outputs that are no counts"
+)
+_NO_UNKNOWN: Final = (
+    "is no output and cannot be the unknown of a directional derivative: "
+    "fmi2GetDirectionalDerivative gives those of outputs by inputs"
+)
+_NO_KNOWN: Final = (
+    "is no input and cannot be the known of a directional derivative: "
+    "fmi2GetDirectionalDerivative gives those of outputs by inputs"
+)
 
 
 class DerivativeEngine(Engine):
@@ -32,14 +47,9 @@ class DerivativeEngine(Engine):
         for i in range(len(vrs)):
             vr: int = vrs[i]
             order: int = orders[i]
-            if vr < 0 or vr >= table.size or not table.is_real(vr):
-                self.unknown(vr, "Real")
-            elif table.kinds[vr] != INPUT:
-                self.fail(
-                    f"{table.names[vr]} is no input: fmi2SetRealInputDerivatives sets derivatives "
-                    "of inputs alone"
-                )
-            elif order != 1:
+            if not self.is_one_of(vr, INPUT, INPUT, _NO_INPUT):
+                continue
+            if order != 1:
                 self.fail(
                     f"order = {order} of the derivative of {table.names[vr]} cannot be used: "
                     "inputs are linear in time at most, give the derivative of order 1"
@@ -57,13 +67,8 @@ class DerivativeEngine(Engine):
             vr: int = vrs[i]
             order: int = orders[i]
             value = 0.0
-            if vr < 0 or vr >= table.size or not table.is_real(vr):
-                self.unknown(vr, "Real")
-            elif table.kinds[vr] != OUTPUT:
-                self.fail(
-                    f"{table.names[vr]} has no derivative: fmi2GetRealOutputDerivatives gives "
-                    "those of outputs that are no counts"
-                )
+            if not self.is_one_of(vr, OUTPUT, OUTPUT, _NO_OUTPUT):
+                pass
             elif order != 1:
                 self.fail(
                     f"order = {order} of the derivative of {table.names[vr]} is not known: ask "
@@ -92,12 +97,12 @@ class DerivativeEngine(Engine):
         table = self.table
         nothing = [0.0] * len(unknowns)
         for vr in unknowns:
-            if not self.is_one_of(vr, OUTPUT, COUNT, "unknown", "output"):
+            if not self.is_one_of(vr, OUTPUT, COUNT, _NO_UNKNOWN):
                 return nothing
         seeds = [0.0] * (table.first_output - table.first_input)
         for i in range(len(knowns)):
             vr = knowns[i]
-            if not self.is_one_of(vr, INPUT, INPUT, "known", "input"):
+            if not self.is_one_of(vr, INPUT, INPUT, _NO_KNOWN):
                 return nothing
             if not abs(seed[i]) <= LARGEST:
                 self.fail(
@@ -121,18 +126,16 @@ class DerivativeEngine(Engine):
             values.append(value)
         return values
 
-    def is_one_of(self, vr: int, first: int, last: int, role: str, what: str) -> bool:
-        """Whether a variable is of the kinds that may be asked for; says if not."""
+    # -- what may be asked for ---------------------------------------------------------------------
+    def is_one_of(self, vr: int, first: int, last: int, wrong: str) -> bool:
+        """Whether a Real variable is of the kinds from first to last; says `wrong` of it if not."""
         table = self.table
         if vr < 0 or vr >= table.size or not table.is_real(vr):
             self.unknown(vr, "Real")
             return False
         if first <= table.kinds[vr] <= last:
             return True
-        return self.fail(
-            f"{table.names[vr]} is no {what} and cannot be the {role} of a directional derivative: "
-            "fmi2GetDirectionalDerivative gives those of outputs by inputs"
-        )
+        return self.fail(f"{table.names[vr]} {wrong}")
 
     def has_known_changes(self) -> bool:
         """Whether the system is there, with its inputs, and knows its changes; says if not."""

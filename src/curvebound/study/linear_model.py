@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cosim.formats import write_npz
 from ..errors import CurveboundError, nearest
 from ..files import write_whole
 from ..fmi.declaration import CHOICE, INPUT, OUTPUT, PARAMETER
@@ -80,14 +81,9 @@ class LinearModel:
         elif path.suffix.lower() == ".npz":
             data["units"] = [data["units"][n] for n in (*self.states, *self.inputs, *self.outputs)]
             arrays: dict[str, Any] = {name: np.array(value) for name, value in data.items()}
-            write_whole(path, lambda part: _savez(part, arrays))
+            write_whole(path, lambda part: write_npz(part, arrays))
         else:
             raise CurveboundError(f"{path} is neither .npz nor .json: name it so.")
-
-
-def _savez(path: Path, arrays: dict[str, Any]) -> None:
-    with path.open("wb") as file:  # a name alone would get another ending
-        np.savez(file, **arrays)
 
 
 def linearize(

@@ -29,27 +29,31 @@ class Quivers:
         (left, right), (low, high) = stage.axes.get_xlim(), stage.axes.get_ylim()
         self._reach = _REACH * min(right - left, high - low)
         self._moving: list[tuple[Role, Vector, float, Any, Any]] = []
+        vectors = [
+            (one, vector)
+            for one in (cast.actors if chosen else ())
+            for vector in vectors_of(one.actor, one.data)
+        ]
         for number, kind in enumerate(kinds):
             if kind in chosen:
                 greatest = max(one.size for one in chosen if one.unit == kind.unit) or 1.0
-                self._add(kind, cast, self._reach / greatest, colour_of(_COLOURS[number % 8]))
+                key = (kind.name, kind.unit)
+                own = [one for one in vectors if (one[1].arrow.name, one[1].arrow.unit) == key]
+                self._add(own, self._reach / greatest, colour_of(_COLOURS[number % 8]))
         self._legend(chosen)
 
-    def _add(self, kind: Kind, cast: Cast, scale: float, colour: str) -> None:
+    def _add(self, vectors: list[tuple[Role, Vector]], scale: float, colour: str) -> None:
         """The arrows of one kind; scale: metres for one of its unit."""
-        for one in cast.actors:
-            for vector in vectors_of(one.actor, one.data):
-                if (vector.arrow.name, vector.arrow.unit) != (kind.name, kind.unit):
-                    continue
-                quiver = self._stage.axes.quiver(
-                    [0.0], [0.0], [0.0], [0.0], color=colour, angles="xy", scale_units="xy",
-                    scale=1.0, width=0.006, minlength=0.0, zorder=5,
-                )  # fmt: skip
-                letter = self._stage.axes.text(
-                    0.0, 0.0, "", color=INK, fontsize=8, fontweight="bold", ha="center",
-                    va="center", zorder=6, clip_on=True,
-                )  # fmt: skip
-                self._moving.append((one, vector, scale, quiver, letter))
+        for one, vector in vectors:
+            quiver = self._stage.axes.quiver(
+                [0.0], [0.0], [0.0], [0.0], color=colour, angles="xy", scale_units="xy",
+                scale=1.0, width=0.006, minlength=0.0, zorder=5,
+            )  # fmt: skip
+            letter = self._stage.axes.text(
+                0.0, 0.0, "", color=INK, fontsize=8, fontweight="bold", ha="center",
+                va="center", zorder=6, clip_on=True,
+            )  # fmt: skip
+            self._moving.append((one, vector, scale, quiver, letter))
 
     def move(self, time: float | None = None) -> None:
         """Draw them at a time in s, or at the end."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...cosim.system import port_of
 from ...files import append, write_whole
 from ..grid import Family, grid, is_sampled
 from ..identity import identity
@@ -70,10 +71,7 @@ class Study:
     @property
     def unit(self) -> str:
         """The unit of the errors: those of the outputs, where they have several."""
-        ports = [
-            (name, variable) for name, _, variable in (path.partition(".") for path in self.paths)
-        ]
-        return ", ".join(dict.fromkeys(self.system.units(ports).values()))
+        return ", ".join(dict.fromkeys(self.system.units(map(port_of, self.paths)).values()))
 
     def run(self, journal: Path | None = None, progress: Progress | None = None) -> None:
         """Run what is not yet in the journal; KeyboardInterrupt leaves what is done in `rows`."""

@@ -53,8 +53,8 @@ def describe(plan: Plan) -> dict[str, Any]:
 
 def actors_of(plan: Plan, system: System) -> list[dict[str, Any]]:
     """What to draw of a run of the scene, whose system has parameters of its own."""
-    drawings = system.drawings()
-    return [_actor(name, seen, drawings[name], _sources(plan)) for name, seen in _seen(plan)]
+    drawings, sources = system.drawings(), _sources(plan)
+    return [_actor(name, seen, drawings[name], sources) for name, seen in _seen(plan)]
 
 
 def _columns(plan: Plan) -> list[str]:

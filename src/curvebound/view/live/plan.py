@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from ...cosim import Result, RunFailed, Scene
 from ...cosim.fmu import Value
 from ...cosim.prepared import Prepared
+from ...cosim.system import port_of
 from ...errors import CurveboundError
 from ..reading import with_inputs
 from .controls import OWN_SETTINGS, controls_of, grips_of, settings_of
@@ -97,8 +98,7 @@ class Plan:
         begin = scene.start_time
         for path, value in settings.items():
             if path in self.controls:
-                component, _, name = path.partition(".")
-                variable = self.system.variable((component, name))
+                variable = self.system.variable(port_of(path))
                 try:
                     own[path] = Driven(float(variable.value(value)), begin)
                 except ValueError as error:

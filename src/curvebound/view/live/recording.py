@@ -17,7 +17,7 @@ from ...cosim.points import communication_times
 from ...cosim.prepared import Prepared
 from ...cosim.scene_data import SceneData
 from ...cosim.scene_text import scene_text
-from ...cosim.system import System
+from ...cosim.system import System, port_of
 from ...errors import CurveboundError
 from ...files import inside, write_whole
 from .driven import Driven
@@ -108,8 +108,8 @@ class _Done:
                 columns[path] = _column(driven, times, jumps)
                 continue
             del scene.inputs[path]
-            component, _, name = path.partition(".")
-            real = self.system.variable((component, name)).kind == "Real"
+            component, name = port = port_of(path)
+            real = self.system.variable(port).kind == "Real"
             value = driven(begin)
             scene.components[component].start[name] = value if real else int(value)
         if not columns:
