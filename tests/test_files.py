@@ -144,7 +144,7 @@ def test_an_append_that_fails_leaves_no_half_row(tmp_path: Path) -> None:
     )
     out = tmp_path / "a.csv"
     done = subprocess.run(
-        [sys.executable, "-c", script, str(out)], capture_output=True, text=True, check=True
+        [sys.executable, "-B", "-c", script, str(out)], capture_output=True, text=True, check=True
     )
     assert "a.csv cannot be written: File too large. Make room" in done.stdout
     assert out.read_text() == 990 * "a" + "\n"

@@ -13,7 +13,7 @@ import pytest
 from curvebound.cli import main
 
 CALL = [sys.executable, "-m", "curvebound"]
-#: as CALL, where no file may grow beyond so many bytes
+#: as CALL, where no file may grow beyond so many bytes; with -B, as bytecode cut short would stay
 LIMITED = (
     "import resource, sys\n"
     "limit = int(sys.argv.pop(1))\n"
@@ -80,7 +80,7 @@ def test_a_disk_that_fills_up(
     words: list[str], limit: int, left: list[str], tmp_path: Path
 ) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", LIMITED, str(limit), *words],
+        [sys.executable, "-B", "-c", LIMITED, str(limit), *words],
         capture_output=True, text=True, cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 2, done.stderr
