@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
+from curvebound.kernel.base import Inputs
 from curvebound.kernel.law import Law
 
-from .waveform import WHOLE, chirp_cycles, chirp_frequency, wave
+from .waveform import WHOLE, chirp_cycles, chirp_frequency, wave, wave_rate
 
 __all__ = ["ParabolaDrive", "law"]
 
@@ -162,22 +163,33 @@ class ParabolaDrive(Law):
         self.vx = values[first + 5]
 
     # -- the law ---------------------------------------------------------------------------------
+    def elapsed(self, time: float) -> float:
+        """Time (s) since the waveform's start, below zero before it."""
+        elapsed = time - self.start_time
+        if -START_SLACK * math.fabs(self.start_time) <= elapsed < 0.0:
+            return 0.0
+        return elapsed
+
+    def cycles(self, elapsed: float) -> float:
+        """Cycles of sine or chirp in that time."""
+        if self.kind == CHIRP:
+            return chirp_cycles(elapsed, self.frequency, self.end_frequency, self.duration)
+        return self.frequency * elapsed
+
     def waveform(self, time: float) -> float:
         """The waveform at `time` (s), in the unit of its axis."""
-        kind = self.kind
-        if kind == NO_WAVEFORM:
+        elapsed = self.elapsed(time)
+        if self.kind == NO_WAVEFORM or elapsed < 0.0:
             return 0.0
-        elapsed = time - self.start_time
-        if elapsed < 0.0:
-            if elapsed < -START_SLACK * math.fabs(self.start_time):
-                return 0.0
-            elapsed = 0.0
-        if kind == STEP:
+        if self.kind == STEP:
             return self.amplitude
-        cycles = self.frequency * elapsed
-        if kind == CHIRP:
-            cycles = chirp_cycles(elapsed, self.frequency, self.end_frequency, self.duration)
-        return self.amplitude * wave(cycles, self.phase)
+        return self.amplitude * wave(self.cycles(elapsed), self.phase)
+
+    def waveform_rate(self, time: float) -> float:
+        """Its time derivative from `time` (s) on."""
+        elapsed = self.elapsed(time)
+        frequency = self.present_frequency(elapsed)
+        return self.amplitude * wave_rate(self.cycles(elapsed), self.phase, frequency)
 
     def feedback(self, scale: float) -> float:
         """-K (measurement - reference), gains and measurements multiplied by `scale` each."""
@@ -223,7 +235,7 @@ class ParabolaDrive(Law):
             return sample
         return time if self.at_start else math.nan
 
-    def advance(self, time: float, duration: float) -> None:
+    def advance(self, time: float, duration: float, slopes: Inputs) -> None:
         """Go from the communication point `time` to time + duration (s), sampling on the way."""
         self.time = time
         period = self.period
@@ -236,10 +248,20 @@ class ParabolaDrive(Law):
             if sample <= time + slack:
                 sample = self.sample_time()
             if sample == sample:
+                self.go_on(sample - time, slopes)
                 self.ax = self.controlled(sample)
                 self.ay, self.coefficient = self.prescribed(sample)
         self.time = time + duration
         self.at_start = False
+
+    def go_on(self, duration: float, slopes: Inputs) -> None:
+        """Bring the measurements to what they are after `duration` (s)."""
+        self.u += duration * slopes[0]
+        self.u_rate += duration * slopes[1]
+        self.angle += duration * slopes[2]
+        self.rate += duration * slopes[3]
+        self.x += duration * slopes[4]
+        self.vx += duration * slopes[5]
 
     def late(self, time: float, duration: float) -> str:
         slack = PERIOD_SLACK * duration + TIME_SLACK * (math.fabs(time) + duration)
@@ -253,8 +275,9 @@ class ParabolaDrive(Law):
                     return (
                         f"sample.period = {period:.6g} s has its sample at {sample:.9g} s within a "
                         f"communication step, {duration:.6g} s from {time:.9g} s on: it takes the "
-                        "measurements of the step's start and acts from its end on; communication "
-                        f"steps of {fits:.12g} s would meet every sample"
+                        "measurements of the step's start, carried on by their slopes if they have "
+                        "any, and acts from its end on; communication steps of "
+                        f"{fits:.12g} s would meet every sample"
                     )
         elif self.kind == STEP and time + slack < self.start_time < time + duration - slack:
             return (
@@ -263,7 +286,7 @@ class ParabolaDrive(Law):
                 f"communication step at {self.start_time:.9g} s"
             )
         held = max(duration, period)
-        frequency = math.fabs(self.present_frequency(time))
+        frequency = math.fabs(self.present_frequency(self.elapsed(time)))
         if frequency * held > 0.5:
             return (
                 f"the waveform's frequency, {frequency:.6g} Hz at {time:.9g} s, is above half the "
@@ -272,13 +295,12 @@ class ParabolaDrive(Law):
             )
         return ""
 
-    def present_frequency(self, time: float) -> float:
-        """Frequency of the waveform in Hz, 0 where there is none."""
-        if time < self.start_time or self.kind not in (SINE, CHIRP):
+    def present_frequency(self, elapsed: float) -> float:
+        """Frequency (Hz) that long (s) after the waveform's start, 0 where there is none."""
+        if elapsed < 0.0 or self.kind not in (SINE, CHIRP):
             return 0.0
         if self.kind == SINE:
             return self.frequency
-        elapsed = time - self.start_time
         return chirp_frequency(elapsed, self.frequency, self.end_frequency, self.duration)
 
     def acts(self) -> bool:
@@ -344,6 +366,18 @@ class ParabolaDrive(Law):
         for k, seed in zip(self.gains(), seeds, strict=True):
             changes[0] -= k * seed
         return changes
+
+    def output_rates(self, slopes: Inputs) -> list[float]:
+        time = self.time
+        if self.period != 0.0:
+            return [0.0, 0.0, 0.0]
+        rates = self.output_changes([slopes[i] for i in range(len(self.INPUTS))])
+        rate = self.waveform_rate(time)
+        if self.axis != X:
+            rates[self.axis - 1] = rate
+        elif math.fabs(self.controlled(time)) < self.limit:
+            rates[0] += rate
+        return rates
 
 
 def law() -> ParabolaDrive:

@@ -136,10 +136,6 @@ def test_what_is_refused(start: Start) -> None:
         assert instance.step_status(0.0, 0.1) == ERROR
         assert "wire.ax" in instance.errors[-1]
         assert instance.bits() == before
-    drive = start("ParabolaDrive")
-    vr = drive.fmu.variables["slider.u"].valueReference
-    assert drive.status("setRealInputDerivatives", [vr], [1], [1.0]) == ERROR
-    assert "not offered" in drive.errors[-1]
 
 
 def test_failed_step_keeps_inputs_and_slopes(start: Start) -> None:
@@ -218,6 +214,23 @@ def test_rates_of_outputs(start: Start, label: str, sloped: bool) -> None:
     for n, a, b, rate in zip(outputs, before, after, rates, strict=True):
         assert rate == pytest.approx((b - a) / (2 * h), rel=1e-5, abs=2e-5), n
     assert instance.status("getRealOutputDerivatives", [0], [1]) == ERROR
+
+
+def test_drive_follows_slopes_and_tells_rates(start: Start) -> None:
+    """Its measurements rise over a step, and with them what it puts out; once."""
+    drive = start("ParabolaDrive", {"feedback.slider_u": -4.0, "waveform.kind": "sine"})
+    drive.set({"slider.u": 0.5})
+    drive.slope({"slider.u": 3.0})
+    assert drive.rates("parabola.ax", "parabola.ay") == pytest.approx([12.0 + 2.0 * math.pi, 0.0])
+    saved = drive.serialized()
+    for _ in range(2):
+        drive.step(0.25)
+        assert drive["slider.u"] == 1.25
+        assert drive["parabola.ax"] == pytest.approx(5.0 + 1.0, rel=1e-15)
+        drive.restore(saved, 0.0)
+    drive.step(0.25)
+    drive.step(0.25)
+    assert drive["parabola.ax"] == pytest.approx(5.0, rel=1e-14)
 
 
 def test_rates_in_initialization(instantiate: Callable[..., Instance]) -> None:

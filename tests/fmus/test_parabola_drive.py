@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from curvebound.fmi.folder import find
+from curvebound.kernel.base import MOST_INPUTS
 
 ParabolaDrive = find("ParabolaDrive").module("kernel").ParabolaDrive
 
@@ -32,6 +33,7 @@ DEFAULTS = {
     "sample.period": 0.0,
 }
 NONE, SINE, CHIRP, STEP = 1, 2, 3, 4
+HELD = [0.0] * MOST_INPUTS
 
 
 def drive(kind: int = NONE, axis: int = 1, time: float = 0.0, **changed: float) -> ParabolaDrive:
@@ -97,7 +99,7 @@ def test_no_waveform() -> None:
 def wave(law: ParabolaDrive, time: float) -> float:
     """The output after stepping to `time`."""
     if time > law.time:
-        law.advance(law.time, time - law.time)
+        law.advance(law.time, time - law.time, HELD)
     return read(law)[0]
 
 
@@ -111,7 +113,7 @@ def test_sine() -> None:
 
 def test_sine_keeps_its_precision_at_late_times() -> None:
     law = drive(SINE, waveform_frequency=128.0, time=1e6)
-    law.advance(1e6, 2.0**-10)
+    law.advance(1e6, 2.0**-10, HELD)
     with mpmath.workdps(40):
         true = mpmath.sin(2 * mpmath.pi * 128 * mpmath.mpf(law.time))
     assert read(law)[0] == pytest.approx(float(true), abs=1e-15)
@@ -123,8 +125,8 @@ def test_zero_before_start(kind: int) -> None:
     begun = 2.0 if kind == STEP else 2.0 * math.sin(1.0)
     for _ in range(2):
         assert read(law)[0] == 0.0
-        law.advance(law.time, 0.1)
-    law.advance(0.2, 0.09)
+        law.advance(law.time, 0.1, HELD)
+    law.advance(0.2, 0.09, HELD)
     assert read(law)[0] == 0.0
     # 0.1 + 0.2, added up, is not 0.3; nor is 3 times 0.1
     for time in (0.3, 0.1 + 0.2, 0.29999999999999993):
@@ -181,7 +183,7 @@ def test_without_period_outputs_follow_directly() -> None:
     for u in (0.5, -0.25, 3.0):
         measure(law, u)
         assert read(law)[0] == -u
-        law.advance(law.time, 0.37)
+        law.advance(law.time, 0.37, HELD)
         assert read(law)[0] == -u
 
 
@@ -194,7 +196,7 @@ def test_samples_are_held_between_multiples() -> None:
         if sampled:
             held = -float(i + 1)
         assert read(law)[0] == held, i
-        law.advance(i * 0.01, 0.01)
+        law.advance(i * 0.01, 0.01, HELD)
 
 
 def test_a_sample_feeds_through_until_the_step_leaves_it() -> None:
@@ -202,10 +204,10 @@ def test_a_sample_feeds_through_until_the_step_leaves_it() -> None:
     for u in (1.0, 2.0):
         measure(law, u)
         assert read(law)[0] == -u
-    law.advance(0.0, 0.03)
+    law.advance(0.0, 0.03, HELD)
     measure(law, 9.0)
     assert read(law)[0] == -2.0
-    law.advance(0.03, 0.03)
+    law.advance(0.03, 0.03, HELD)
     assert read(law)[0] == -2.0
 
 
@@ -218,10 +220,10 @@ def test_multiples_inside_a_step_sample_the_held_inputs_at_their_time() -> None:
         waveform_amplitude=2.0,
     )
     measure(law, 1.0)
-    law.advance(0.0, 0.05)
+    law.advance(0.0, 0.05, HELD)
     measure(law, 5.0)
     # 0.1, 0.2 and 0.3 are inside; the last one counts
-    law.advance(0.05, 0.3)
+    law.advance(0.05, 0.3, HELD)
     measure(law, 7.0)
     expected = -5.0 + 2.0 * math.sin(2.0 * math.pi * 0.5 * 0.3)
     assert read(law)[0] == pytest.approx(expected, rel=1e-14)
@@ -230,10 +232,10 @@ def test_multiples_inside_a_step_sample_the_held_inputs_at_their_time() -> None:
 def test_end_of_a_step_on_a_multiple_is_sampled_by_the_next_one() -> None:
     law = drive(feedback_slider_u=1.0, sample_period=0.1)
     measure(law, 1.0)
-    law.advance(0.0, 0.1)
+    law.advance(0.0, 0.1, HELD)
     measure(law, 3.0)
     assert read(law)[0] == -3.0
-    law.advance(0.1, 0.05)
+    law.advance(0.1, 0.05, HELD)
     assert read(law)[0] == -3.0
 
 
@@ -259,7 +261,7 @@ def test_added_up_time_samples_as_often_as_exact_time(
         if i % every == 0:
             held = -float(i)
         assert read(law)[0] == held, (i, time)
-        law.advance(time, step)
+        law.advance(time, step, HELD)
         time += step
 
 
@@ -267,17 +269,17 @@ def test_start_between_multiples_counts_as_a_sample() -> None:
     law = drive(feedback_slider_u=1.0, sample_period=0.1, time=0.05)
     measure(law, 2.0)
     assert read(law)[0] == -2.0
-    law.advance(0.05, 0.02)
+    law.advance(0.05, 0.02, HELD)
     measure(law, 3.0)
     assert read(law)[0] == -2.0
-    law.advance(0.07, 0.03)
+    law.advance(0.07, 0.03, HELD)
     assert read(law)[0] == -3.0
 
 
 def test_period_below_the_resolution_of_time_follows_directly() -> None:
     law = drive(feedback_slider_u=1.0, sample_period=1e-300, time=1e3)
     measure(law, 2.0)
-    law.advance(1e3, 0.1)
+    law.advance(1e3, 0.1, HELD)
     assert read(law)[0] == -2.0
 
 
@@ -287,11 +289,11 @@ def test_tunable_parameters_take_effect_at_the_next_point_or_sample() -> None:
     sampled = drive(feedback_slider_u=1.0, sample_period=0.1)
     for law in (direct, sampled):
         measure(law, 1.0)
-        law.advance(0.0, 0.05)
+        law.advance(0.0, 0.05, HELD)
         law.set_parameters({**DEFAULTS, "feedback.slider_u": 4.0}, choices)
     assert read(direct) == (-4.0, 1.0, 0.0)
     assert read(sampled) == (-1.0, 0.0, 0.0)
-    sampled.advance(0.05, 0.05)
+    sampled.advance(0.05, 0.05, HELD)
     assert read(sampled) == (-4.0, 1.0, 0.0)
 
 
@@ -299,10 +301,10 @@ def test_state_and_rollback() -> None:
     law = drive(SINE, feedback_slider_u=1.0, sample_period=0.1)
     measure(law, 1.0)
     assert law.get_state()[4] == 1.0
-    law.advance(0.0, 0.13)
+    law.advance(0.0, 0.13, HELD)
     saved, out = law.get_state(), read(law)
     law.keep()
-    law.advance(0.13, 0.4)
+    law.advance(0.13, 0.4, HELD)
     assert read(law) != out
     after = law.get_state()
     law.undo()
@@ -312,7 +314,7 @@ def test_state_and_rollback() -> None:
     measure(other, 1.0)
     other.set_state(saved)
     assert read(other) == out
-    other.advance(0.13, 0.4)
+    other.advance(0.13, 0.4, HELD)
     assert other.get_state() == after
     with pytest.raises(ValueError, match="saved state has 2 numbers where 5 belong"):
         law.set_state([0.0, 1.0])
@@ -321,7 +323,7 @@ def test_state_and_rollback() -> None:
 def test_long_times_sample_at_multiples_not_sums() -> None:
     law = drive(SINE, sample_period=1e-3, waveform_frequency=0.25, time=1e6)
     for i in range(1000):
-        law.advance(1e6 + i * 2.5e-4, 2.5e-4)
+        law.advance(1e6 + i * 2.5e-4, 2.5e-4, HELD)
     # held since 1e6 + 0.249, or sampled at 1e6 + 0.25, which the point now is
     assert read(law)[0] == pytest.approx(math.sin(math.pi / 8.0), abs=1e-9)
 
@@ -332,7 +334,7 @@ def test_time_rounds_coarser_than_the_period_is_fine() -> None:
     for i in range(200):
         measure(law, float(i))
         assert read(law)[0] == -float(i - i % 2)
-        law.advance(origin + i * 1e-5, 1e-5)
+        law.advance(origin + i * 1e-5, 1e-5, HELD)
 
 
 @pytest.mark.parametrize("axis", [1, 2, 3])
@@ -366,3 +368,50 @@ def test_references_follow_the_same_law(kind: int, axis: int) -> None:
     assert law.set_points() == {name: {"pendulum.angle": 0.2, "parabola.x": 9.0}.get(name, 0.0)
                                 for name in module._MEASURED}  # fmt: skip
     assert module.Law({**DEFAULTS, "waveform.kind": "none"}).set_points() == {}
+
+
+@pytest.mark.parametrize("axis", [1, 2, 3])
+@pytest.mark.parametrize("kind", [NONE, SINE, CHIRP, STEP])
+def test_rates_are_those_of_the_law(kind: int, axis: int) -> None:
+    """Against differences of the outputs, inputs rising, before and in the waveform."""
+    gains = {
+        "feedback_slider_u": 2.0,
+        "feedback_slider_u_rate": -3.0,
+        "feedback_pendulum_angle": 5.0,
+        "feedback_pendulum_angular_velocity": 7.0,
+        "feedback_parabola_x": -11.0,
+        "feedback_parabola_vx": 13.0,
+    }
+    wave = {"waveform_frequency": 0.7, "waveform_phase": 0.3, "waveform_amplitude": 1.7}
+    slopes = [0.1, 0.2, -0.3, 0.4, 0.5, -0.6, *HELD[6:]]
+    for time in (0.2, 0.9, 3.0):
+        outputs = []
+        law = drive(kind, axis, **gains, **wave, waveform_start_time=0.5, waveform_duration=2.0)
+        for h in (-1e-5, 1e-5):
+            law.set_inputs([1.0 + slope * h for slope in slopes[:6]], 0)
+            law.time = time + h
+            outputs.append(read(law))
+        law.time = time
+        rates = law.output_rates(slopes)
+        assert rates == pytest.approx((np.subtract(*outputs[::-1]) / 2e-5).tolist(), abs=1e-7)
+
+
+def test_rates_at_the_limit_at_the_start_and_between_samples() -> None:
+    rising = [1.0, *HELD[1:]]
+    law = drive(SINE, feedback_slider_u=-3.0, limit_acceleration=2.0, waveform_amplitude=0.5)
+    measure(law, 0.0)
+    assert law.output_rates(rising)[0] == pytest.approx(3.0 + math.pi, rel=1e-15)
+    measure(law, 1.0)
+    assert law.output_rates(rising) == [0.0, 0.0, 0.0]
+    # of a step nothing is seen but that it is over, also where rounding puts time before it
+    late = drive(SINE, axis=2, waveform_start_time=0.3, time=0.3 * (1 - 1e-15))
+    assert late.output_rates(HELD)[1] == pytest.approx(2.0 * math.pi, rel=1e-15)
+    sampled = drive(SINE, feedback_slider_u=-3.0, sample_period=0.1)
+    assert sampled.output_rates(rising) == [0.0, 0.0, 0.0]
+
+
+def test_a_sample_within_a_step_measures_what_has_risen() -> None:
+    law = drive(sample_period=0.02, feedback_slider_u=-1.0, feedback_parabola_vx=-10.0)
+    law.set_inputs([0.5, 0.0, 0.0, 0.0, 0.0, 0.25], 0)
+    law.advance(0.0, 0.05, [1.0, 0.0, 0.0, 0.0, 0.0, 2.0, *HELD[6:]])
+    assert read(law)[0] == pytest.approx(0.54 + 10.0 * (0.25 + 0.08), rel=1e-15)

@@ -149,8 +149,12 @@ class Schedule:
         setters: dict[str, Call] = {}
         if self.system.scene.hold == "first":
             handed_on = self._handed_on(names) if passing_on else ()
-            slopes = Slopes(self.system, self.exchange, self.instances)
-            calls, setters = slopes.calls(names, clock.time, clock.size, handed_on)
+            shared = self.system, self.exchange, self.instances
+            slopes = Slopes(*shared, names, handed_on, clock.time, clock.size)
+            for name in slopes.sources:
+                calls += self._freshen(name)
+            calls += slopes.reads
+            setters = slopes.setters
         for name in names:
             calls += self._freshen(name)
             if name in setters:

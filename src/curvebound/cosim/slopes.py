@@ -55,50 +55,89 @@ def has_slopes(system: System) -> bool:
 
 
 class Slopes:
-    """The calls that ask for derivatives of outputs, and set those of inputs."""
+    """The calls that ask for derivatives of outputs, and set those of inputs, of one step.
 
-    def __init__(self, system: System, exchange: Exchange, instances: dict[str, Instance]) -> None:
+    names: components that step. handed_on: inputs that take what their source has reached at the
+    end of the step. time, size: of the step (s), read when a call is made.
+
+    reads: find the derivatives at the start of the step, once inputs are those of its start. An
+    output with direct feedthrough rises with the inputs of its component: it is asked after these
+    have got the slopes that are known by then; in an algebraic loop those from outside it.
+    setters: by component, set what `reads` has not.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        exchange: Exchange,
+        instances: dict[str, Instance],
+        names: Sequence[str],
+        handed_on: Iterable[Port],
+        time: c_double,
+        size: c_double,
+    ) -> None:
         self.system = system
         self.exchange = exchange
         self.instances = instances
-
-    def calls(
-        self, names: Sequence[str], time: c_double, size: c_double, handed_on: Iterable[Port]
-    ) -> tuple[list[Call], dict[str, Call]]:
-        """Calls that find derivatives at the start of a step, and by component one that sets them.
-
-        time, size: of the step (s), read when it is made. handed_on: inputs that take what their
-        source has reached at the end of the step.
-        """
+        self.time = time
+        self.size = size
         held = set(handed_on)
-        links = [
+        self._links = [
             link
-            for link in self.system.links
-            if link.target[0] in names and link.target not in held and is_sloped(self.system, link)
+            for link in system.links
+            if link.target[0] in names and link.target not in held and is_sloped(system, link)
         ]
-        reads: list[Call] = []
-        places: dict[Port, tuple[Any, int]] = {}
-        for name in dict.fromkeys(link.source[0] for link in links):
-            ports = list(dict.fromkeys(link.source for link in links if link.source[0] == name))
-            buffer = (c_double * len(ports))()
-            places |= {port: (buffer, k) for k, port in enumerate(ports)}
-            reads.append(self._call(name, "GetRealOutputDerivatives", ports, buffer))
-        setters: dict[str, Call] = {}
-        for name in names:
-            joined = [link for link in links if link.target[0] == name]
-            signals = [(p, f) for p, f in self.system.signals.items() if p[0] == name]
-            signals = [(p, f) for p, f in signals if takes_slope(self.system, p)]
-            if joined or signals:
-                targets = [p for p, _ in signals] + [link.target for link in joined]
-                slopes = (c_double * len(targets))()
-                known = [(f, path_of(p), self.exchange.input_place(p)) for p, f in signals]
-                copies = [
-                    (len(signals) + k, *places[link.source], link.factor)
-                    for k, link in enumerate(joined)
-                ]
-                call = self._call(name, "SetRealInputDerivatives", targets, slopes)
-                setters[name] = self._setter(call, known, copies, slopes, time, size)
-        return reads, setters
+        self._places: dict[Port, tuple[Any, int]] = {}
+        self.reads: list[Call] = []
+        complete: set[str] = set()
+        sources: dict[int, dict[str, list[Port]]] = {}
+        for port in dict.fromkeys(link.source for link in self._links):
+            sources.setdefault(system.levels[port], {}).setdefault(port[0], []).append(port)
+        for level, of in sorted(sources.items()):
+            risen = [name for name in of if level > 0 and name in names]
+            self.reads += [setter for name in risen if (setter := self._setter(name))]
+            complete |= {name for name in risen if self._is_complete(name)}
+            found: dict[Port, tuple[Any, int]] = {}
+            for name, ports in of.items():
+                buffer = (c_double * len(ports))()
+                found |= {port: (buffer, k) for k, port in enumerate(ports)}
+                self.reads.append(self._call(name, "GetRealOutputDerivatives", ports, buffer))
+            self._places |= found
+        last = {name: self._setter(name) for name in names if name not in complete}
+        self.setters = {name: setter for name, setter in last.items() if setter}
+
+    @property
+    def sources(self) -> list[str]:
+        """Components whose outputs are asked for their derivatives."""
+        return list(dict.fromkeys(link.source[0] for link in self._links))
+
+    def _is_complete(self, name: str) -> bool:
+        return all(link.source in self._places for link in self._links if link.target[0] == name)
+
+    def _setter(self, name: str) -> Call | None:
+        """The call that sets the slopes known so far; None if there are none."""
+        joined = [
+            link for link in self._links if link.target[0] == name and link.source in self._places
+        ]
+        signals = [
+            (port, function)
+            for port, function in self.system.signals.items()
+            if port[0] == name and takes_slope(self.system, port)
+        ]
+        if not joined and not signals:
+            return None
+        targets = [port for port, _ in signals] + [link.target for link in joined]
+        slopes = (c_double * len(targets))()
+        known = [
+            (k, function, path_of(port), self.exchange.input_place(port))
+            for k, (port, function) in enumerate(signals)
+        ]
+        copies = [
+            (len(signals) + k, *self._places[link.source], link.factor)
+            for k, link in enumerate(joined)
+        ]
+        call = self._call(name, "SetRealInputDerivatives", targets, slopes)
+        return self._filled(call, known, copies, slopes)
 
     def _call(self, name: str, function: str, ports: Sequence[Port], values: Any) -> Call:
         instance = self.instances[name]
@@ -115,28 +154,26 @@ class Slopes:
         self.exchange.register(call, name, function)
         return call
 
-    def _setter(
+    def _filled(
         self,
         call: Call,
-        signals: Sequence[tuple[Signal, str, int]],
+        signals: Sequence[tuple[int, Signal, str, int]],
         copies: Sequence[tuple[int, Any, int, float]],
         slopes: Any,
-        time: c_double,
-        size: c_double,
     ) -> Call:
-        """signals: function, path, place of its value; copies: place, rates, place in them, factor.
+        """A call with its slopes.
 
-        Slopes are those of the signals, then of the copies.
+        signals: place, function, path, place of its value; copies: place, rates, place in them,
+        factor.
         """
         values = memoryview(self.exchange.reals)  # type: ignore[arg-type]
-
-        numbered = [(k, *known) for k, known in enumerate(signals)]
+        time, size = self.time, self.size
 
         def set_slopes() -> Any:
-            if numbered:
+            if signals:
                 ahead = size.value * (1.0 - EARLY)
                 end = time.value + ahead
-                for k, function, path, place in numbered:
+                for k, function, path, place in signals:
                     slopes[k] = (value_of(function, path, end) - values[place]) / ahead
             for k, rates, i, factor in copies:
                 slopes[k] = factor * rates[i]

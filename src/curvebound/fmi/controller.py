@@ -41,6 +41,11 @@ class ControllerEngine(DerivativeEngine):
     def observe(self, group: int) -> None:
         self.law.observe(group, self.reals, self.table.first_output)
 
+    def output_rates(self) -> list[float]:
+        if not self.ready():
+            return [0.0] * len(self.law.OUTPUTS)
+        return self.law.output_rates(self.slopes)
+
     def has_changes(self) -> bool:
         return self.law.HAS_CHANGES
 
@@ -55,7 +60,9 @@ class ControllerEngine(DerivativeEngine):
             if late:
                 self.said_late = True
                 self.say(WARNING, late)
-        self.law.advance(self.time, duration)
+        self.law.advance(self.time, duration, self.slopes)
+        # what the slopes have made of the inputs
+        self.pending = self.sloped
         return ""
 
     def undo(self) -> None:

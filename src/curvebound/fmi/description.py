@@ -75,7 +75,7 @@ def describe(fmu: Fmu, guid: str, engine: Engine, *, derivatives: bool) -> Eleme
     )
     capabilities = dict(_CAPABILITIES)
     dependencies = engine.dependencies()
-    if derivatives and engine.INTERPOLATES:
+    if derivatives:
         capabilities |= {"canInterpolateInputs": "true", "maxOutputDerivativeOrder": "1"}
     if derivatives and engine.has_changes():
         capabilities["providesDirectionalDerivative"] = "true"

@@ -55,9 +55,6 @@ def near(time: float, now: float, step: float) -> bool:
 class Engine:
     """Values, modes and time of one instance; subclasses know what advances."""
 
-    #: whether inputs may have slopes, and outputs have rates
-    INTERPOLATES: bool = False
-
     def __init__(self, table: Table, guid: str) -> None:
         self.table = table
         self.guid = guid

@@ -38,8 +38,6 @@ _UNKNOWN_GROWTH: Final = 3.0
 class PlantEngine(DerivativeEngine):
     """A mechanical model with a time-integration method."""
 
-    INTERPOLATES = True
-
     def __init__(self, table: Table, guid: str, factory: Callable[[dict[str, int]], Model]) -> None:
         self.factory = factory
         self.model: Model = Model()

@@ -54,7 +54,7 @@ VISIBLE = {
         *("queue", "do_step", "get_real", "set_real", "get_integer", "set_integer"),
         *("setup_experiment", "enter_initialization", "exit_initialization", "terminate", "reset"),
         *("get_state", "set_state", "say", "unknown", "dependencies"),
-        *("INTERPOLATES", "has_changes"),
+        "has_changes",
     ),
     "DerivativeEngine": (
         *("set_real_input_derivatives", "get_real_output_derivatives"),

@@ -34,15 +34,19 @@ _SUFFIXES = {".abi3.so": "linux64", ".pyd": "win64"}
 
 #: methods of the engine that stand for the slave's own, without a Python frame in between
 _ENGINE = {
-    **{name: name for name in ("do_step", "get_real", "set_real", "get_integer", "set_integer")},
+    **{
+        name: name
+        for name in (
+            *("do_step", "get_real", "set_real", "get_integer", "set_integer"),
+            *("set_real_input_derivatives", "get_real_output_derivatives"),
+            "get_directional_derivative",
+        )
+    },
     "setup_experiment": "setup_experiment",
     "enter_initialization_mode": "enter_initialization",
     "exit_initialization_mode": "exit_initialization",
     "terminate": "terminate",
-    "get_directional_derivative": "get_directional_derivative",
 }
-#: and those of engines whose inputs may have slopes
-_DERIVATIVES = ("set_real_input_derivatives", "get_real_output_derivatives")
 
 
 class StateError(Exception):
@@ -114,9 +118,6 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         self.engine: Engine = self.fmu.system.create(table_of(self.fmu), self.guid_text)
         for name, own in _ENGINE.items():
             setattr(self, name, getattr(self.engine, own))
-        if self.engine.INTERPOLATES:
-            for name in _DERIVATIVES:
-                setattr(self, name, getattr(self.engine, name))
         warning = interpreted(self.modelName, self.resources)
         if warning:
             self.engine.say(WARNING, warning)

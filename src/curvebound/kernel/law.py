@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from .base import Inputs
+
 __all__ = ["Law"]
 
 
@@ -33,8 +35,11 @@ class Law:
         """Take the inputs values[first:first + len(INPUTS)], all finite, in the order of INPUTS."""
         raise NotImplementedError
 
-    def advance(self, time: float, duration: float) -> None:
-        """Make the communication step from `time`."""
+    def advance(self, time: float, duration: float, slopes: Inputs) -> None:
+        """Make the communication step from `time`, over which inputs rise by `slopes` (1/s).
+
+        Inputs are set anew before anything else is asked.
+        """
         raise NotImplementedError
 
     def late(self, time: float, duration: float) -> str:
@@ -50,6 +55,10 @@ class Law:
 
     def output_changes(self, seeds: list[float]) -> list[float]:
         """Derivatives of all outputs along `seeds` of the inputs, within the same instant."""
+        raise NotImplementedError
+
+    def output_rates(self, slopes: Inputs) -> list[float]:
+        """Time derivatives of all outputs from the present time on, inputs rising by `slopes`."""
         raise NotImplementedError
 
     def get_state(self) -> list[float]:
