@@ -130,16 +130,6 @@ def test_derivatives_of_the_plants(host, bead):
     assert result.answers[5:] == [["OK"] * 3, ["OK"]]
 
 
-def test_derivatives_that_are_not_offered(host, fmus):
-    drive = fmus["ParabolaDrive"]
-    known, unknown = drive.vr["slider.u"], drive.vr["parabola.ax"]
-    result = host([*started(drive), f"derivatives 0 {known} {unknown}", "step 0 0 0.1"])
-    assert result.answers[5:] == [["Error", "Error", "OK"], ["OK"]]
-    texts = [text for *_, text in result.logs[5]]
-    for text, name in zip(texts, ("SetRealInput", "GetRealOutput"), strict=True):
-        assert name in text
-
-
 def test_directional_derivatives(host, bead):
     vr = bead.vr
     force, ax, ay = vr["constraint.force"], vr["wire.ax"], vr["wire.ay"]
