@@ -320,6 +320,25 @@ def test_phase_and_arrows_follow_the_run(tab: Tab, live: Callable[[str], Serving
     assert tab.errors == []
 
 
+def test_plots_mounted_at_the_first_sample_mark_no_later_ones(
+    tab: Tab, live: Callable[[str], Serving]
+) -> None:
+    visit(tab, live("pendulum_small"), play=0)
+    assert tab.run("curvebound.samples[0].length") == 1
+    tab.run("curvebound.show(0)")  # hands them their sample
+    tab.run("curvebound.redraw()")
+    tab.run("curvebound.send({ do: 'play' })")
+    tab.wait("curvebound.time > curvebound.model.start + 0.2")
+    tab.run(
+        "globalThis.lines = globalThis.marks = 0; for (const { chart } of curvebound.plots) {"
+        "if (!chart?.over) continue; const { ctx } = chart, { stroke } = ctx;"
+        "ctx.fill = () => { marks++; };"
+        "ctx.stroke = (...path) => { lines++; stroke.apply(ctx, path); }; }"
+    )
+    tab.wait("lines > 20")
+    assert tab.run("marks") == 0
+
+
 def test_closing_the_page_frees_the_fmus(
     new_tab: Callable[[], Tab],
     live: Callable[[str], Serving],

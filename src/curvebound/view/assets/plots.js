@@ -129,7 +129,6 @@ class TimePlot {
     const axis = { stroke: colours.muted, grid: { stroke: colours.grid, width: 1 },
                    ticks: { stroke: colours.grid, width: 1, size: 4 }, font: colours.font };
     const values = (_, ticks) => ticks.map((tick) => (tick === null ? "" : tickText(tick)));
-    const single = this.series.every((one) => one.times.length === 1);
     this.chart = new uPlot({
       width, height,
       pxAlign: 0,
@@ -149,7 +148,8 @@ class TimePlot {
         const stroke = { dash: one.dash, width: this.page.many ? Math.max(3 - one.actor, 1.2) : 1.5 };
         return {
           ...stroke, stroke: one.colour, spanGaps: false, show: this.shows(one), paths: lineOf(stroke),
-          points: { show: single, size: 7 },
+          // of one sample only, which no line shows; a live run has one when it begins
+          points: { show: () => this.series.every(({ times }) => times.length === 1), size: 7 },
         };
       })],
     }, this.data(width), this.box);
