@@ -339,6 +339,41 @@ def test_plots_mounted_at_the_first_sample_mark_no_later_ones(
     assert tab.run("marks") == 0
 
 
+def test_a_run_that_leaves_shrinks_nothing_until_all_is_asked_for(
+    tab: Tab, live: Callable[[str], Serving]
+) -> None:
+    visit(tab, live("pendulum_small"), play=0)
+    shown = "document.getElementById('see-all').checkVisibility()"
+    assert not tab.run(shown)
+    alone = tab.run("curvebound.scene.drawn.scale")
+    away = {"plant.slider.u_start": 40.0}
+    tab.run(f"curvebound.send({{ do: 'beside', label: 'away', settings: {away} }})")
+    tab.wait(shown)
+    assert tab.run("curvebound.scene.drawn.scale") == alone
+    tab.key("f")
+    tab.wait(f"curvebound.scene.drawn.scale > {0.2 * alone}")
+    tab.key("e")
+    tab.wait("document.getElementById('see-all').ariaPressed === 'true'")
+    tab.wait(f"curvebound.scene.drawn.scale < {0.1 * alone}")
+    both = "curvebound.placed.map((at) => curvebound.grips.pixel(at.point('slider')))"
+    width = tab.run("curvebound.scene.width")
+    assert all(0 <= x <= width for x, _ in tab.run(both))
+    # and of the plots: the first run is not flattened, but on demand
+    tab.run("curvebound.pace(10)")
+    tab.run("curvebound.toggle()")
+    plot = "curvebound.plots.find(({ spec }) => spec.title === 'Slider on the parabola')"
+    high = f"{plot}.chart.scales.y.max"
+    tab.run(f"{plot}.element.scrollIntoView()")
+    tab.wait(f"{plot}.all.checkVisibility()")
+    tab.run("curvebound.toggle()")
+    tab.wait(f"{high} < 10")
+    tab.run(f"{plot}.all.click()")
+    tab.wait(f"{high} > 30")
+    press(tab, "beside")
+    tab.wait(f"!{shown}")
+    assert tab.errors == []
+
+
 def test_closing_the_page_frees_the_fmus(
     new_tab: Callable[[], Tab],
     live: Callable[[str], Serving],

@@ -14,10 +14,11 @@ function extentOf(values, share = 1) {
 }
 
 // [low, high] for series of {label, values}, the reference's first; null where all is worth showing.
+// `scale` is what a run beforehand spanned, of runs that go on: at rest until now, they may move at last.
 function boundsOf(series) {
   const first = new Map();
   let low = Infinity, high = -Infinity, cut = false;
-  for (const { label, values } of series) {
+  for (const { label, values, scale } of series) {
     const whole = extentOf(values), early = extentOf(values, EARLY);
     let shown = whole;
     const widened = (extent, by, most) => {
@@ -26,9 +27,9 @@ function boundsOf(series) {
       shown = [Math.max(shown[0], extent[0] - by * span), Math.min(shown[1], extent[1] + by * span)];
       cut = true;
     };
-    widened(early, 1, ALONE);
+    if (!scale) widened(early, 1, ALONE);
     if (first.has(label)) widened(first.get(label), 2, BESIDE);
-    else first.set(label, shown);
+    else first.set(label, scale ? [Math.min(shown[0], scale[0]), Math.max(shown[1], scale[1])] : shown);
     if (shown[0] < low) [low] = shown;
     if (shown[1] > high) [, high] = shown;
   }

@@ -13,30 +13,19 @@ function buildControls(page) {
   on("forth", () => page.step(1));
   on("start", () => player.seek(player.start));
   on("loop", () => page.toggleLoop());
-  on("theme", () => page.nextTheme());
   on("time-in", () => page.zoomTime(2));
   on("time-out", () => page.zoomTime(0.5));
   on("time-all", () => page.setWindow(player.start, player.end));
-  on("help-button", () => page.help());
-  on("degrees", () => page.toggleDegrees());
+  page.buildView();
   scrub.addEventListener("input", () => player.seek(Number(scrub.value)));
   get("speed").addEventListener("change", () => player.pace(Number(get("speed").value)));
   if (page.scene) {
     get("follow").setAttribute("aria-pressed", String(page.scene.following));
-    on("zoom-in", () => page.look(() => page.scene.zoomBy(1.4)));
-    on("zoom-out", () => page.look(() => page.scene.zoomBy(1 / 1.4)));
-    on("fit", () => page.look(() => page.scene.fit()));
-    on("follow", () => page.toggleFollow());
-    get("see-all").hidden = !page.scene.view.all;
-    on("see-all", () => page.toggleAll());
+    page.offerAll();
     on("picture", () => download(page.scene.canvas, fileName(page.model.title, page.timeText(player.time))));
-    get("trail").addEventListener("change", () => page.look(() => {
-      page.scene.trail = Number(get("trail").value);
-    }));
   }
   document.addEventListener("keydown", (event) => pressed(page, event));
   document.addEventListener("visibilitychange", () => player.anchor());
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => page.recolour());
 }
 
 function pressed(page, event) {
@@ -52,20 +41,10 @@ function pressed(page, event) {
     ArrowRight: () => (event.shiftKey ? player.seek(player.time + big) : page.step(1)),
     Home: () => player.seek(player.start), End: () => player.seek(player.end),
     "[": () => page.faster(-1), "]": () => page.faster(1), 1: () => player.pace(1),
-    l: () => page.toggleLoop(), d: () => page.nextTheme(), o: () => page.toggleDegrees(), "?": () => page.help(),
+    l: () => page.toggleLoop(),
     "<": () => page.zoomTime(0.5), ">": () => page.zoomTime(2),
-    a: () => page.setWindow(player.start, player.end),
+    a: () => page.setWindow(player.start, player.end), ...page.viewKeys(),
   };
-  if (page.scene) {
-    Object.assign(actions, {
-      f: () => page.look(() => page.scene.fit()), c: () => page.toggleFollow(),
-      t: () => page.nextTrail(), w: () => page.nextArrows(),
-      e: () => page.toggleAll(),
-      "+": () => page.look(() => page.scene.zoomBy(1.4)),
-      "=": () => page.look(() => page.scene.zoomBy(1.4)),
-      "-": () => page.look(() => page.scene.zoomBy(1 / 1.4)),
-    });
-  }
   const action = actions[event.key] ?? actions[event.key.toLowerCase()];
   if (!action) return;
   event.preventDefault();

@@ -39,7 +39,7 @@ function listenScene(page) {
   };
   canvas.addEventListener("pointerup", lift);
   canvas.addEventListener("pointercancel", lift);
-  canvas.addEventListener("dblclick", () => page.look(() => page.scene.fit()));
+  canvas.addEventListener("dblclick", () => page.fit());
   canvas.addEventListener("wheel", (event) => {
     if (!event.ctrlKey && !event.metaKey) return;
     event.preventDefault();

@@ -2,7 +2,7 @@
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
 const MOST_NOTES = 4;
-const KEPT = ["zoom", "panX", "panY", "trail", "following", "arrows"];  // of a scene where others run
+const KEPT = ["view", "whole", "zoom", "panX", "panY", "trail", "following", "arrows"];  // of a scene where others run
 
 class LivePage extends ScenePage {
   constructor(socket, model) {
@@ -218,7 +218,16 @@ class LivePage extends ScenePage {
   }
 
   tell() {
-    for (const plot of this.plots) if (plot.chart && !plot.element.hidden) plot.tell(this.hovered ?? this.time);
+    if (this.scene) {
+      const all = allOf(this);
+      this.scene.view = { ...this.scene.view, all };
+      this.scene.whole &&= Boolean(all);
+      this.offerAll();
+    }
+    for (const plot of this.plots.filter(({ chart, element }) => chart && !element.hidden)) {
+      plot.judge();
+      plot.tell(this.hovered ?? this.time);
+    }
     for (const one of this.cells) {
       const { cell, samples, source } = one, times = samples.view(samples.times);
       const value = times.length ? source[nearestIndex(times, this.time)] : NaN;
@@ -278,14 +287,15 @@ class LivePage extends ScenePage {
 
   fit() {
     if (!this.scene) return;
-    this.scene.view = { ...this.model.view, world: boxOf(this) };
+    this.scene.view = fittedView(this);
+    this.scene.whole = false;
     this.arrows.fit(this.scene.actors);
     this.look(() => this.scene.fit());
   }
 
-  nextOf(id, by, around = false) {
-    const select = get(id), n = select.options.length, to = select.selectedIndex + by;
-    select.selectedIndex = around ? (to + n) % n : Math.min(Math.max(to, 0), n - 1);
+  nextSpan(by) {
+    const select = get("span");
+    select.selectedIndex = Math.min(Math.max(select.selectedIndex + by, 0), select.options.length - 1);
     select.dispatchEvent(new Event("change"));
   }
 

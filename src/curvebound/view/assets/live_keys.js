@@ -22,12 +22,9 @@ function liveKey(page, event) {
     "[": () => page.faster(-1), "]": () => page.faster(1), 1: () => page.pace(1),
     u: () => page.send({ do: "undo" }), m: () => page.send({ do: "mark" }), b: () => page.send({ do: "back" }),
     r: () => page.send({ do: "reset" }), s: () => page.send({ do: "record" }), v: () => page.toggleBeside(),
-    g: () => page.grips.next(), o: () => page.toggleDegrees(), d: () => page.nextTheme(), "?": () => page.help(),
-    "<": () => page.nextOf("span", 1), ">": () => page.nextOf("span", -1),
-    f: () => page.fit(), c: () => page.toggleFollow(), t: () => page.nextOf("trail", 1, true),
-    w: () => page.nextArrows(),
-    "+": () => page.look(() => page.scene?.zoomBy(1.4)), "=": () => page.look(() => page.scene?.zoomBy(1.4)),
-    "-": () => page.look(() => page.scene?.zoomBy(1 / 1.4)),
+    g: () => page.grips.next(),
+    "<": () => page.nextSpan(1), ">": () => page.nextSpan(-1),
+    ...page.viewKeys(),
   };
   const action = actions[event.key] ?? actions[event.key.toLowerCase()];
   if (!action) return;

@@ -12,33 +12,6 @@ function buildLegend(page, actors) {
   }
 }
 
-// Curves without ends reach as far as the point that they hold has gone.
-function growCurves({ scene, placed }) {
-  scene.actors.forEach((actor, k) => {
-    for (const { holds, drawn } of actor.growing) {
-      const reach = 1.15 * Math.abs(placed[k].point(holds)[0] - placed[k].point("frame")[0]);
-      if (reach > drawn.s[1] && Number.isFinite(reach)) drawn.s = [-reach, reach];
-    }
-  });
-}
-
-// The part of the plane to show: the scene's, and where bodies have been lately.
-function boxOf({ model, samples, scene }) {
-  const box = [...model.view.world];
-  for (const { run, points, sources } of scene.actors) {
-    const { length } = samples[run];
-    for (const [name, axis] of points.flatMap((point) => [[point.name, 0], [point.name, 1]])) {
-      const values = sources[`${name} ${"xy"[axis]}`];
-      for (let k = Math.max(length - 1200, 0); k < length; k++) {
-        if (!Number.isFinite(values[k])) continue;
-        box[axis] = Math.min(box[axis], values[k]);
-        box[axis + 2] = Math.max(box[axis + 2], values[k]);
-      }
-    }
-  }
-  return box;
-}
-
 // How far each body of the second run is from the first one's: a channel of the second.
 function distancesOf({ samples: [first, second] }) {
   if (!second) return [];
@@ -65,7 +38,7 @@ function buildLivePlots(page, actors) {
   const face = {
     name: page.model.name, hides: (actor) => page.scene?.hidden.has(actor) ?? false, degrees: () => page.degrees,
     colours: () => page.colours, many: page.many, range: () => page.range(), seek: () => {},
-    hover: (t) => page.hover(t), zoomTime: (factor) => page.nextOf("span", factor > 1 ? -1 : 1),
+    hover: (t) => page.hover(t), zoomTime: (factor) => page.nextSpan(factor > 1 ? -1 : 1),
   };
   const colourOf = (run, component) => {
     const found = actors.findIndex((actor) => actor.run === run && actor.component === component);
@@ -100,6 +73,7 @@ function buildLivePlots(page, actors) {
     for (const { target, isIntersecting } of entries) {
       page.plots.find((plot) => plot.element === target).away = !isIntersecting;
     }
+    page.dirty = true;
   });
   const none = new Float64Array(0);
   page.plots = specs.map((spec) => {
@@ -170,21 +144,13 @@ function buildLiveControls(page) {
   for (const name of ["reset", "step", "undo", "mark", "back", "record"]) on(name, () => page.send({ do: name }));
   on("play", () => page.toggle());
   on("beside", () => page.toggleBeside());
-  on("theme", () => page.nextTheme());
-  on("help-button", () => page.help());
-  on("zoom-in", () => page.look(() => page.scene.zoomBy(1.4)));
-  on("zoom-out", () => page.look(() => page.scene.zoomBy(1 / 1.4)));
-  on("fit", () => page.fit());
-  on("degrees", () => page.toggleDegrees());
   disclose(get("choose"), get("chooser"));
   on("picture", () => download(page.scene.canvas, fileName(page.model.name, page.time.toFixed(2))));
-  on("follow", () => page.toggleFollow());
-  get("trail").addEventListener("change", () => page.look(() => { page.scene.trail = Number(get("trail").value); }));
+  page.buildView();
   get("speed").addEventListener("change", () => page.pace(Number(get("speed").value)));
   get("span").addEventListener("change", () => page.look(() => {}));
   for (const kind of ["keydown", "keyup"]) document.addEventListener(kind, (event) => liveKey(page, event));
   addEventListener("blur", () => { page.grips.keys.clear(); page.grips.release(); });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => page.recolour());
   const observer = new ResizeObserver(() => page.resized());
   observer.observe(get("plots"));
   observer.observe(get("scene"));

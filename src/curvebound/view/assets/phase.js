@@ -85,9 +85,7 @@ class PhasePlot {
     // Copies, so that a hidden time plot does not take its series along.
     for (const line of this.lines) Object.assign(line, { x: { ...line.x }, y: { ...line.y } });
     this.series = this.lines.flatMap((line) => [line.x, line.y]);
-    this.bounds = [0, 1].map((axis) => boundsOf(this.lines.map((line) => (
-      { label: "", values: [line.x, line.y][axis].values }))));
-    this.all.hidden = !this.bounds.some(Boolean);
+    this.judge();
     this.element.setAttribute("aria-label", this.heading());
     for (const { marker } of this.marked ?? []) marker.remove();
     this.legend.replaceChildren();
@@ -100,6 +98,13 @@ class PhasePlot {
       this.box.append(marker);
       return { line, marker, value };
     });
+  }
+
+  // Whether a run leaves the others behind.
+  judge() {
+    this.bounds = [0, 1].map((axis) => boundsOf(this.lines.map((line) => (
+      { ...[line.x, line.y][axis], label: "" }))));
+    this.all.hidden = !this.bounds.some(Boolean);
   }
 
   heading() {

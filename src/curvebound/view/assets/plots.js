@@ -25,8 +25,8 @@ class TimePlot {
     for (const one of this.series) one.format = formatter(one.values, spec.error);
     this.off = new Set();
     this.whole = false;
-    this.bounds = spec.error ? null : boundsOf(this.series);
     this.build();
+    this.judge();
   }
 
   build() {
@@ -43,18 +43,22 @@ class TimePlot {
     const button = (text, words, action) => {
       const made = element("button", text, { type: "button", class: "small", title: words });
       made.setAttribute("aria-label", `${words}: ${spec.title}`);
-      made.addEventListener("click", () => action(made));
+      made.addEventListener("click", action);
       head.append(made);
       return made;
     };
-    const toggle = (text, words, name) => button(text, words, (made) => {
-      this[name] = !this[name];
-      this.fixed = null;
-      made.setAttribute("aria-pressed", String(this[name]));
-      this.mount();
-    }).setAttribute("aria-pressed", "false");
+    const toggle = (text, words, name) => {
+      const made = button(text, words, () => {
+        this[name] = !this[name];
+        this.fixed = null;
+        made.setAttribute("aria-pressed", String(this[name]));
+        this.mount();
+      });
+      made.setAttribute("aria-pressed", "false");
+      return made;
+    };
     if (spec.error) toggle("log", "Logarithmic axis of the magnitude", "logarithmic");
-    if (this.bounds) toggle("all", "All of a run that leaves the others behind", "whole");
+    else this.all = toggle("all", "All of a run that leaves the others behind", "whole");
     button("\u2212", "Zoom out in y", () => this.zoomY(0.5));
     button("+", "Zoom in in y", () => this.zoomY(2));
     button("PNG", "Save as PNG", () => (
@@ -98,6 +102,13 @@ class TimePlot {
       return `${one.text} ${range}`;
     });
     return `${this.spec.title} over time: ${parts.join("; ")}`;
+  }
+
+  // Whether a run leaves the others behind.
+  judge() {
+    if (this.spec.error) return;
+    this.bounds = boundsOf(this.series);
+    this.all.hidden = !this.bounds;
   }
 
   // What the legend of a picture tells.

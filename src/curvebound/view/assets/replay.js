@@ -252,19 +252,8 @@ class Page extends ScenePage {
     get("plot-area").hidden = !this.plots.length;
   }
 
-  // Where a run leaves the first one far behind, the picture shows that one, or all.
-  toggleAll() {
-    const { scene } = this;
-    if (!scene.view.all) return;
-    scene.whole = !scene.whole;
-    this.look(() => scene.fit());
-    get("see-all").setAttribute("aria-pressed", String(scene.whole));
-  }
-
-  nextTrail() {
-    const select = get("trail");
-    select.selectedIndex = (select.selectedIndex + 1) % select.options.length;
-    select.dispatchEvent(new Event("change"));
+  fit() {
+    if (this.scene) this.look(() => this.scene.fit());
   }
 
   // ---- look -------------------------------------------------------------------------------

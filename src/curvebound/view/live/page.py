@@ -14,6 +14,7 @@ _OWN = (
     "live_grip.js",
     "live_controls.js",
     "live_keys.js",
+    "live_view.js",
     "live_parts.js",
     "live.js",
     "live_main.js",
