@@ -7,7 +7,9 @@ its motion beforehand (magnification), and each point is run with and without. T
 heyoka's Taylor integrator in long double, which shares neither method nor formula with the kernel.
 A point's conditioning is how much it magnifies a relative change of its numbers by CHANGE. It is
 wrong if its error exceeds MARGIN times tolerance times conditioning and no warning says so,
-doubtful if one does though it is well conditioned.
+doubtful if one does though it is well conditioned (conditioning below WELL). A warning is needless
+if its point is well conditioned and its error below FAR of that bound: counted beside the verdict,
+which stays "right".
 
 Needs heyoka (the extra `peers`) and a C compiler. Prints every point that is wrong, failed or dear.
 """
@@ -36,6 +38,8 @@ CHANGE = 1e-9
 MARGIN = 10.0
 #: below this a point is well conditioned
 WELL = 100.0
+#: share of the error that a warning is about below which it was needless
+FAR = 0.01
 #: internal steps that are too many, steps of the reference below which no failure is excused
 DEAR = 100_000
 EASY = 1000
@@ -56,10 +60,16 @@ class Outcome:
     hints: bool = True
     error: float = math.nan
     conditioning: float = math.nan
+    allowed: float = math.nan
     steps: int = 0
     reference_steps: int = 0
     warned: bool = False
     detail: str = ""
+
+    @property
+    def needless(self) -> bool:
+        """Whether it warned of an error that is far from what is allowed, at a tame point."""
+        return self.warned and self.conditioning < WELL and self.error < FAR * self.allowed
 
 
 @dataclass
@@ -294,9 +304,11 @@ def judge(kernel: Any, references: References, hints: bool) -> Outcome:
         return outcome
     unwind(plant, reference.states, result)
     outcome.error = difference(plant, motion, reference, result)
-    conditioning = references.conditioning() if outcome.error > MARGIN * motion.tolerance else 1.0
+    told = warned or outcome.error > MARGIN * motion.tolerance
+    conditioning = references.conditioning() if told else 1.0
     outcome.conditioning = conditioning
-    if not outcome.error <= MARGIN * motion.tolerance * conditioning:
+    outcome.allowed = MARGIN * motion.tolerance * conditioning
+    if not outcome.error <= outcome.allowed:
         if not warned:
             outcome.verdict = "wrong"
         elif conditioning < WELL:
@@ -341,6 +353,7 @@ def main() -> None:
         some = [outcome for outcome in found if outcome.hints == one]
         print("with hints:" if one else "without hints:", dict(Counter(o.verdict for o in some)))
         print("    warned", sum(o.warned for o in some), "of", len(some))
+        print("        needless", sum(o.needless for o in some))
         print("    most steps", max(o.steps for o in some))
 
 

@@ -42,10 +42,10 @@ SPOILT: Final = 1e-13
 #: smallest step relative to the communication step, and that below which the state has to move
 RESOLUTION: Final = 1e-22
 SHORT: Final = 1e-14
-#: steps after which one in REJECTS rejected is a reason to try stiff ones; then twice as many
+#: steps after which one in REJECTS rejected is a reason to try stiff ones; then half as many again
 FIRST_TRIAL: Final = 60
 REJECTS: Final = 4
-#: steps after which rest up to rounding is a reason; then half as many again
+#: steps after which rest up to rounding is a reason; likewise
 FIRST_CALM: Final = 8
 #: one step less than those after which rounding is looked at, for it may be all that limits them
 LOOK: Final = 31
@@ -206,7 +206,7 @@ class Adaptive(Method):
                     a1 = model.a1
                     self.evaluations += 1
                 since = tries
-                trial = max(FIRST_TRIAL, 2 * tries)
+                trial = tries + max(FIRST_TRIAL, tries // 2)
                 calm = tries + max(FIRST_CALM, tries // 2)
                 rejections = 0
             tries += 1
@@ -243,13 +243,14 @@ class Adaptive(Method):
                     self.wished = min(max(wish, MOST_SHRINKING * h), most)
                     self.log_error = log_error
                 rejected = False
-                if collocation.noisy:
-                    rounding.note_noise(model, t, h)
                 moved0 = model.q0 - q0
                 moved1 = model.q1 - q1
                 if settles:
                     model.settle(h)
                 rounding.follow(model, collocation.a7, collocation.b7)
+                if collocation.noisy:
+                    # beside the rates that it leads to: from rest there were none
+                    rounding.note_noise(model, t, h)
                 rounding.note_time(t + h, collocation.a7, collocation.b7)
                 gained0 = collocation.a7 - a0
                 gained1 = collocation.b7 - a1

@@ -144,18 +144,24 @@ class Rounding:
         half = 0.5 * (model.a0_q0 + model.a1_q1)
         product = model.a0_q0 * model.a1_q1 - model.a0_q1 * model.a1_q0
         growth = half + math.sqrt(max(0.0, half * half - product))
-        part0 = h * self.noise0 / (max(self.fast0, h * self.noise0) + TINY)
-        part1 = h * self.noise1 / (max(self.fast1, h * self.noise1) + TINY)
+        error0 = h * self.noise0
+        error1 = h * self.noise1
         if growth <= FLAT * (math.fabs(model.a0_q0) + math.fabs(model.a1_q1)):
-            # a rest that has moved by nothing but rounding is one, and so is a coordinate that
-            # hardly moves beside the other
-            pace0 = self.fast0 * self.size1
-            pace1 = self.fast1 * self.size0
-            if part0 >= TREMBLING or pace0 < FLAT * pace1:
-                part0 = 0.0
-            if part1 >= TREMBLING or pace1 < FLAT * pace0:
-                part1 = 0.0
-        self.doubt = max(self.doubt, max(part0, part1))
+            # a rest that has moved by nothing but rounding is one
+            if error0 >= TREMBLING * max(self.fast0, error0):
+                error0 = 0.0
+            if error1 >= TREMBLING * max(self.fast1, error1):
+                error1 = 0.0
+        self.note_rates(error0, error1)
+
+    def note_rates(self, error0: float, error1: float) -> None:
+        """Note errors of both rates, but for a coordinate that hardly moves beside the other."""
+        pace0 = self.fast0 * self.size1
+        pace1 = self.fast1 * self.size0
+        if pace0 >= FLAT * pace1:
+            self.note(error0, self.fast0)
+        if pace1 >= FLAT * pace0:
+            self.note(error1, self.fast1)
 
     def hides(self, a0: float, a1: float) -> bool:
         """Whether accelerations are rounding, by what was found last."""

@@ -25,7 +25,9 @@ MOST_REJECTED: Final = 4
 #: the size of the polynomial's tail as a power of the error, which is far smaller
 TAIL_POWER: Final = 0.7
 SAFETY: Final = 0.8
+#: bounds of the ratio of one step size to the next
 MOST_GROWTH: Final = 4.0
+MOST_SHRINKING: Final = 0.02
 #: smallest step relative to the communication step
 RESOLUTION: Final = 1e-22
 #: the shortest step that damping explains, as a part of its time constant: a tight tolerance, and
@@ -96,7 +98,7 @@ class Stiff:
             try:
                 if rejected > 0:
                     rounding.look(model, elapsed.t)
-                size = radau.step(model, rounding, elapsed.t, h, bound)
+                size = radau.step(model, rounding, elapsed.t, h, share, bound)
             except (ArithmeticError, ValueError, NotImplementedError):
                 size = math.inf
             self.evaluations += radau.evaluations
@@ -111,6 +113,7 @@ class Stiff:
                 if settles:
                     model.settle(h)
                 rounding.follow(model, radau.a[STAGES - 1], radau.b[STAGES - 1])
+                rounding.note_rates(radau.off0, radau.off1)
                 after = h * min(MOST_GROWTH, max(0.5, growth(size / bound)))
                 if ends:
                     # a step that the end cut short may only grow
@@ -121,7 +124,8 @@ class Stiff:
                 h = after
             else:
                 rejected += 1
-                h *= 0.25 if size > LARGEST else max(0.1, min(SAFETY, growth(size / bound)))
+                shrinking = max(MOST_SHRINKING, min(SAFETY, growth(size / bound)))
+                h *= 0.25 if size > LARGEST else shrinking
                 if h < duration * RESOLUTION:
                     self.reached = h
                     return STEP_TOO_SMALL
