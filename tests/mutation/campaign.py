@@ -3,32 +3,29 @@
     python tests/mutation/campaign.py --room cosim --number 30 --seed 1
     python tests/mutation/campaign.py                       # every room, 20 mutants each
 
-Draws single small faults (see mutants.py), puts one at a time into a copy of the work tree and runs
-there the tests that can see it (see contexts.py), the quickest first, until one fails. Prints each
-mutant that survived or hung, and a table. Slow, and no part of CI.
+Draws single small faults (see mutants.py), puts one at a time into a copy of the work tree and
+runs there the tests that run its line (see contexts.py), the quickest first, until one fails.
+Prints what became of each mutant, and a table. Slow, and no part of CI.
 """
 
 from __future__ import annotations
 
 import argparse
-import contextlib
-import importlib
+import compileall
 import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
-import sysconfig
 import tempfile
 import time
 from collections import Counter
 from pathlib import Path
-from typing import NoReturn
 
 import pytest
-from contexts import Contexts, environment_of
+from contexts import Contexts
 from mutants import Mutant, mutants_of
+from trial import HUNG, INVALID, KILLED, SURVIVED, UNSEEN, Trial
 
 ROOT = Path(__file__).resolve().parents[2]
 SRC = "src/curvebound"
@@ -42,16 +39,10 @@ ROOMS = {
     "native": (f"{SRC}/fmi/**/*.c",),
     "cosim": (f"{SRC}/cosim/*.py",),
     "study": (f"{SRC}/study/**/*.py",),
-    "view": (f"{SRC}/view/*.py",),
+    "view": (f"{SRC}/view/**/*.py", f"{SRC}/pages/*.py"),
     "javascript": (f"{SRC}/view/assets/[!u]*.js",),
     "cli": (f"{SRC}/cli/*.py", f"{SRC}/*.py"),
 }
-#: what the tests and the sources import from elsewhere: done once, for all mutants
-ELSEWHERE = ("fmpy.fmi2", "fmpy.simulation", "fmpy.ssp.simulation", "hypothesis", "lxml.etree",
-             "matplotlib.figure", "mpmath", "numpy", "pythonfmu.builder", "rich.console",
-             "rich.progress", "rich.table", "scipy.integrate", "scipy.optimize", "sympy",
-             "websockets.sync.client")  # fmt: skip
-SURVIVED, KILLED, HUNG, UNSEEN, INVALID = "survived", "killed", "hung", "no test", "invalid"
 
 
 def copy_of_the_work_tree(folder: Path) -> Path:
@@ -77,116 +68,44 @@ def drawn(copy: Path, room: str, number: int, seed: int) -> list[Mutant]:
     return draw.sample(found, min(number, len(found)))
 
 
-def within(tests: list[str], seconds: dict[str, float], budget: float) -> list[str]:
-    """The first tests that take `budget` s together, one at least."""
-    chosen: list[str] = []
-    for test in tests:
-        budget -= seconds[test] + 0.02
-        if budget < 0.0 and chosen:
-            break
-        chosen.append(test)
-    return chosen
+class Campaign:
+    """A pytest plugin: tries mutants where the tests that were collected would be run."""
 
-
-class Trial:
-    """Tries mutants in a copy of its own."""
-
-    def __init__(self, copy: Path, cache: Path, contexts: Contexts, budget: float) -> None:
+    def __init__(self, chosen: argparse.Namespace, copy: Path, contexts: Contexts) -> None:
+        self.chosen = chosen
         self.copy = copy
-        self.environment = environment_of(copy, cache)
-        self.contexts = contexts
-        self.budget = budget
+        self.trial = Trial(copy, contexts, chosen.budget)
 
-    def verdict(self, mutant: Mutant) -> str:
-        path = self.copy / mutant.file
-        text = path.read_text(encoding="utf-8")
-        direct, inside = self.contexts.seen_by(mutant.file, mutant.line, text)
-        stages = [within(some, self.contexts.seconds, self.budget) for some in (direct, inside)]
-        stages = [tests for tests in stages if tests]
-        if not stages:
-            return UNSEEN
-        path.write_text(mutant.applied(text), encoding="utf-8")
-        try:
-            if path.suffix == ".c" and not self._compiles(path):
-                return INVALID
-            for tests in stages:
-                found = self._run(tests)
-                if found != SURVIVED:
-                    return found
-            return SURVIVED
-        finally:
-            path.write_text(text, encoding="utf-8")
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        self.trial.items = {item.nodeid: item for item in session.items}
+        for seed in self.chosen.seed or [1]:
+            counts: dict[str, Counter[str]] = {}
+            for room in self.chosen.room or ROOMS:
+                counts[room] = Counter(
+                    self._tried(mutant)
+                    for mutant in drawn(self.copy, room, self.chosen.number, seed)
+                )
+            verdicts = (KILLED, HUNG, SURVIVED, UNSEEN, INVALID)
+            print(f"\nseed {seed}\n{'room':12}" + "".join(f"{v:>10}" for v in verdicts))
+            for room, count in counts.items():
+                print(f"{room:12}" + "".join(f"{count[v]:10}" for v in verdicts), flush=True)
+        return True
 
-    def _compiles(self, path: Path) -> bool:
-        python = sysconfig.get_path("include")
-        command = [
-            "cc",
-            "-fsyntax-only",
-            "-w",
-            f"-I{self.copy}/tests/host",
-            f"-I{python}",
-            str(path),
-        ]
-        return subprocess.run(command, capture_output=True, check=False).returncode == 0
-
-    def _run(self, tests: list[str]) -> str:
-        """Run tests in a fork of this process, which has imported what they need from elsewhere."""
-        listed = self.copy / "tests.txt"
-        listed.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
-        arguments = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "interpreting",
-                     "-m", "", "--timeout=120", f"@{listed}"]  # fmt: skip
-        limit = 300.0 + 5.0 * sum(self.contexts.seconds[t] for t in tests)
-        with tempfile.TemporaryFile() as log:
-            child = os.fork()
-            if child == 0:
-                self._test(arguments, log.fileno())
-            status = _waited(child, limit)
-            log.seek(0)
-            said = log.read().decode(errors="replace")
-        if status is None or "Failed: Timeout" in said:
-            return HUNG
-        return SURVIVED if status in (0, 5) else KILLED
-
-    def _test(self, arguments: list[str], log: int) -> NoReturn:
-        """What the fork does; its exit status is pytest's."""
-        status = 1
-        try:
-            os.setsid()
-            os.dup2(log, 1)
-            os.dup2(log, 2)
-            os.chdir(self.copy)
-            os.environ.update(self.environment)
-            sys.path[:0] = self.environment["PYTHONPATH"].split(os.pathsep)
-            sys.dont_write_bytecode = True
-            status = int(pytest.main(arguments))
-            sys.stdout.flush()
-        finally:
-            os._exit(status)
-
-
-def _waited(child: int, limit: float) -> int | None:
-    """The exit status of a child, which is ended, with what it started, after `limit` s: None."""
-    end = time.monotonic() + limit
-    found = 0
-    while not found and time.monotonic() < end:
-        time.sleep(0.05)
-        found, status = os.waitpid(child, os.WNOHANG)
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(child, signal.SIGKILL)
-    if not found:
-        os.waitpid(child, 0)
-        return None
-    return os.waitstatus_to_exitcode(status)
+    def _tried(self, mutant: Mutant) -> str:
+        began = time.monotonic()
+        verdict, test = self.trial.verdict(mutant)
+        took = time.monotonic() - began
+        print(f"{verdict:8} {took:4.0f} s  {mutant}   {test and 'by ' + test}", flush=True)
+        return verdict
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="default: all")
     parser.add_argument("--number", type=int, default=20, help="mutants in each room (20)")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, action="append", help="default: 1")
     parser.add_argument("--budget", type=float, default=60.0, metavar="SECONDS",
-                        help="of tests that run a mutant at most, as they take unmutated (60); "
-                        "twice for what runs in FMUs")  # fmt: skip
+                        help="of tests for a mutant, as they take watched (60)")  # fmt: skip
     parser.add_argument("--contexts", type=Path, default=ROOT / "build" / "mutation",
                         help="where to keep what the tests run (build/mutation)")  # fmt: skip
     parser.add_argument("--tests", nargs="*", default=["tests"], metavar="PATH",
@@ -201,29 +120,33 @@ def main() -> None:
         shutil.rmtree(scratch, ignore_errors=True)
 
 
+def build_fmus(folder: Path) -> None:
+    """Build the three FMUs as tests/conftest.py shares them."""
+    script = (
+        "import sys; from pathlib import Path; from curvebound.fmi.build import build\n"
+        "from curvebound.fmi.folder import names\n"
+        "for name in names():\n"
+        "    build(name, Path(sys.argv[1], 'fmus'), compiled=True)\n"
+        "    build(name, Path(sys.argv[1], 'interpreted'), compiled=False)\n"
+    )
+    subprocess.run([sys.executable, "-c", script, str(folder)], check=True)
+
+
 def campaign(chosen: argparse.Namespace, scratch: Path) -> None:
-    """Collect contexts, try mutants, print what came of them."""
+    """Collect contexts and tests, try mutants, print what came of them."""
     copy = copy_of_the_work_tree(scratch / "tree")
     folder = chosen.contexts.resolve()
-    cache = folder / "cache"
-    contexts = Contexts(folder, copy, cache)
+    contexts = Contexts(folder, copy, folder / "cache")
     contexts.collect(chosen.tests, slow=chosen.slow)
-    trial = Trial(copy, cache, contexts, chosen.budget)
-    for module in ELSEWHERE:
-        with contextlib.suppress(ImportError):
-            importlib.import_module(module)
-    counts: dict[str, Counter[str]] = {}
-    for room in chosen.room or ROOMS:
-        count = counts[room] = Counter()
-        for mutant in drawn(copy, room, chosen.number, chosen.seed):
-            began = time.monotonic()
-            verdict = trial.verdict(mutant)
-            count[verdict] += 1
-            print(f"{verdict:8} {time.monotonic() - began:4.0f} s  {mutant}", flush=True)
-    verdicts = (KILLED, HUNG, SURVIVED, UNSEEN, INVALID)
-    print(f"\nseed {chosen.seed}\n{'room':12}" + "".join(f"{v:>10}" for v in verdicts))
-    for room, count in counts.items():
-        print(f"{room:12}" + "".join(f"{count[v]:10}" for v in verdicts))
+    os.chdir(copy)
+    os.environ.update(contexts.environment)
+    sys.path[:0] = contexts.environment["PYTHONPATH"].split(os.pathsep)
+    compileall.compile_dir(copy, quiet=1)
+    sys.dont_write_bytecode = True  # a mutant is as old as what it was made of, to a second
+    build_fmus(copy.parent / "fmus")
+    arguments = ["-s", "-q", "--no-summary", "-p", "no:cacheprovider", "-p", "no:xdist", "-m", "",
+                 "--timeout=60", "tests"]  # fmt: skip
+    pytest.main(arguments, plugins=[Campaign(chosen, copy, contexts)])
 
 
 if __name__ == "__main__":

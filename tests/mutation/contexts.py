@@ -10,6 +10,7 @@ import ast
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 from collections import Counter
@@ -18,13 +19,18 @@ from pathlib import Path
 
 from coverage import CoverageData
 from coverage.exceptions import CoverageException
-from watching import SETTINGS
+from watching import LONGEST, SETTINGS
 
 __all__ = ["Contexts", "environment_of"]
 
 HERE = Path(__file__).resolve().parent
-#: what runs inside of an FMU, compiled as a rule, so that coverage does not see it there
-IN_FMUS = ("src/curvebound/kernel/", "src/curvebound/fmi/", "fmus/")
+#: where a source is found when it runs -> where it stands; an FMU carries copies, line by line
+PLACES = (
+    (re.compile(r".*/src/curvebound/"), "src/curvebound/"),
+    (re.compile(r".*/curvebound_[0-9a-f]{12}/"), "src/curvebound/"),
+    (re.compile(r".*/fmus/(?=\w+/\w+\.py$)"), "fmus/"),
+    (re.compile(r".*/(?=\w+_system_\w+/\w+\.py$)"), "fmus/"),
+)
 
 
 def environment_of(copy: Path, cache: Path) -> dict[str, str]:
@@ -45,12 +51,11 @@ class Contexts:
         self.environment = environment_of(copy, cache)
         #: s that a test took, for all tests that pass
         self.seconds: dict[str, float] = {}
-        #: tests that load FMUs in this process, those in a browser
-        self.fmus: set[str] = set()
+        #: tests in a browser
         self.browser: set[str] = set()
         self.hashes: dict[str, str] = {}
         folder.mkdir(parents=True, exist_ok=True)
-        self._data: dict[str, dict[int, list[str]]] = {}
+        self._data: dict[str, dict[int, set[str]]] = {}
 
     def collect(self, paths: list[str], *, slow: bool) -> None:
         """Run the tests in `paths` that are not known yet; forget those that are gone from there.
@@ -68,17 +73,19 @@ class Contexts:
         if new:
             print(f"{len(new)} of {len(there)} tests are not known yet: running them", flush=True)
             found = self._run(new)
+            shared = found.pop("shared")
             for key, value in found.items():
                 kept.setdefault(key, {}).update(value)
+            for fixture, tests in shared.items():
+                kept.setdefault("shared", {}).setdefault(fixture, []).extend(tests)
             kept["hashes"] = {**self._hashes(), **kept.get("hashes", {})}
             notes.write_text(json.dumps(kept), encoding="utf-8")
         inside = tuple(paths)
         here = {t for t in kept["seconds"] if not (inside and t.startswith(inside))} | set(there)
         self.seconds = {t: s for t, s in kept["seconds"].items() if t in here}
-        self.fmus = {t for t in kept["fmus"] if t in here}
         self.browser = {t for t in kept["browser"] if t in here}
         self.hashes = kept["hashes"]
-        self._read()
+        self._read(kept["shared"])
 
     def _there(self, paths: list[str], marks: str) -> list[str]:
         command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider",
@@ -91,14 +98,14 @@ class Contexts:
     def _run(self, tests: list[str]) -> dict[str, dict[str, object]]:
         settings = self.folder / "coverage.cfg"
         data = self.folder / "coverage"
-        settings.write_text(SETTINGS.format(source=self.copy / "src", data=data), encoding="utf-8")
+        settings.write_text(SETTINGS.format(tree=self.copy, data=data), encoding="utf-8")
         listed = self.folder / "new.txt"
         listed.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
         watched = self.folder / "watched.json"
         command = [sys.executable, "-m", "coverage", "run", f"--rcfile={settings}", "-m", "pytest",
                    "-q", "-p", "watching", "-p", "interpreting", "-p", "no:cacheprovider",
                    "-p", "no:xdist", "-m", "",
-                   "-o", "timeout=0", f"@{listed}"]  # fmt: skip
+                   "-o", f"timeout={LONGEST}", f"@{listed}"]  # fmt: skip
         environment = {**self.environment, "CAMPAIGN_WATCH": str(watched), "CAMPAIGN_TEST": ""}
         with (self.folder / "log.txt").open("w") as log:
             subprocess.run(
@@ -121,39 +128,43 @@ class Contexts:
     def _hashes(self) -> dict[str, str]:
         return {
             path.relative_to(self.copy).as_posix(): _hash(path)
-            for path in sorted((self.copy / "src").rglob("*.py"))
+            for top in ("fmus", "src")
+            for path in sorted((self.copy / top).rglob("*.py"))
         }
 
-    def _read(self) -> None:
+    def _read(self, shared: dict[str, list[str]]) -> None:
         data = CoverageData(basename=str(self.folder / "coverage"))
         data.read()
         for file in data.measured_files():
-            name = "src/curvebound/" + file.rpartition("/src/curvebound/")[2]
-            lines = self._data.setdefault(name, {})
+            lines = self._data.setdefault(_place(file), {})
             for line, contexts in data.contexts_by_lineno(file).items():
-                lines.setdefault(line, []).extend(contexts)
+                seen = lines.setdefault(line, set())
+                for context in contexts:
+                    seen.update(shared.get(context, (context,)))
 
-    def seen_by(self, file: str, line: int, text: str) -> tuple[list[str], list[str]]:
-        """Tests that run the line of `file`, whose content is `text`, and those that may in an FMU.
+    def seen_by(self, file: str, line: int, text: str) -> list[str]:
+        """Tests that run the line of `file`, whose content is `text`.
 
-        Both with the quickest case of each test function first, then the second of each, and so on.
+        The quickest case of each test function first, then the second of each, and so on.
         """
         if file.endswith(".js"):
-            return self._sorted(self.browser), []
+            return self._sorted(self.browser)
         if file.endswith((".c", ".h")):
-            hosts = {t for t in self.seconds if t.startswith("tests/host/")}
-            return self._sorted(hosts), self._sorted(self.fmus - hosts)
+            return self._sorted(t for t in self.seconds if t.startswith("tests/host/"))
+        seen = self._at(file, line, text)
+        if seen <= {""}:  # run at import, or the numbers are other lines' now
+            seen = {test for some in self._data.get(file, {}).values() for test in some}
+        return self._sorted(seen)
+
+    def at_import(self, file: str, line: int, text: str) -> bool:
+        """Whether the line is run when modules are imported, and by no test."""
+        return self._at(file, line, text) == {""}
+
+    def _at(self, file: str, line: int, text: str) -> set[str]:
         lines = self._data.get(file, {})
-        unchanged = self.hashes.get(file) == hashlib.sha256(text.encode()).hexdigest()
-        direct: set[str] = set()
-        if unchanged:
-            for number in _statement(text, line):
-                direct.update(lines.get(number, ()))
-        if direct == {""} or not unchanged:  # run at import, or the numbers are other lines' now
-            direct = {test for some in lines.values() for test in some}
-        direct &= self.seconds.keys()
-        inside = self.fmus - direct if file.startswith(IN_FMUS) else set()
-        return self._sorted(direct), self._sorted(inside)
+        if self.hashes.get(file) != hashlib.sha256(text.encode()).hexdigest():
+            return set()
+        return {test for number in _statement(text, line) for test in lines.get(number, ())}
 
     def _sorted(self, tests: Iterable[str]) -> list[str]:
         place: dict[str, int] = {}
@@ -163,6 +174,19 @@ class Contexts:
             place[test] = cases[function]
             cases[function] += 1
         return sorted(place, key=lambda t: (place[t], self.seconds[t]))
+
+
+def _place(file: str) -> str:
+    """Where a source that ran as `file` stands in the work tree."""
+    for pattern, new in PLACES:
+        place, found = pattern.subn(new, file)
+        if found:
+            break
+    system = re.fullmatch(r"fmus/(\w+)_system_\w+/(\w+)\.py", place)
+    if system is None:
+        return place
+    name = re.sub(r"(?<!^)(?=[A-Z])", "_", system[1]).lower()
+    return f"fmus/{name}/{'fmu' if system[2] == 'declaration' else system[2]}.py"
 
 
 def _hash(path: Path) -> str:

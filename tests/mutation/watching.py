@@ -1,9 +1,9 @@
-"""A pytest plugin of the campaign: what each test runs, which FMUs it loads, how long it takes.
+"""A pytest plugin of the campaign: what each test runs and how long it takes.
 
     python -m pytest -p watching ...        (with CAMPAIGN_WATCH = where to write JSON)
 
-Coverage measures this process and, by its subprocess patch, those that the tests start. Compiled
-code is not seen: of a test that loads an FMU, the FMU's name is noted instead.
+Coverage measures this process and, by its subprocess patch, those that the tests start, and the
+interpreted sources of FMUs in them.
 """
 
 from __future__ import annotations
@@ -14,13 +14,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import fmpy.fmi2
 import pytest
 from coverage import Coverage
 
 SETTINGS = """\
 [run]
-source = {source}
+include =
+    {tree}/src/curvebound/*
+    {tree}/fmus/*
+    */resources/curvebound_*
+    */resources/*_system_*
 data_file = {data}
 parallel = true
 context = ${{CAMPAIGN_TEST-}}
@@ -28,27 +31,14 @@ patch = subprocess
 disable_warnings = no-data-collected,module-not-imported,couldnt-parse
 """
 
-LONGEST = 60  # s that a slow test may take to be of use
+LONGEST = 60  # s that a test may take, watched, to be of use
 
-_fmus: dict[str, set[str]] = {}
 _seconds: dict[str, float] = {}
 #: tests that failed, were skipped or took too long
 _left: dict[str, str] = {}
 _browser: set[str] = set()
-
-
-def _noting(real: Any) -> Any:
-    def made(self: Any, *arguments: Any, **named: Any) -> None:
-        real(self, *arguments, **named)
-        test = os.environ.get("CAMPAIGN_TEST")
-        if test:
-            _fmus.setdefault(test, set()).add(str(named.get("modelIdentifier", "")))
-
-    return made
-
-
-def pytest_configure() -> None:
-    fmpy.fmi2.FMU2Slave.__init__ = _noting(fmpy.fmi2.FMU2Slave.__init__)  # type: ignore[method-assign]
+#: fixtures that tests share -> those tests
+_shared: dict[str, list[str]] = {}
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -60,13 +50,37 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    os.environ["CAMPAIGN_TEST"] = item.nodeid
+    _enter(item.nodeid)
     if "browser" in getattr(item, "fixturenames", ()):
         _browser.add(item.nodeid)
+    for name, found in item._fixtureinfo.name2fixturedefs.items():  # type: ignore[attr-defined]
+        for fixture in found:
+            if fixture.scope != "function":
+                _shared.setdefault(f"{fixture.baseid}::{name}", []).append(item.nodeid)
+    return (yield)
+
+
+def _enter(context: str) -> str:
+    """Note what is run from now on as a test's or fixture's; returns whose it was before."""
+    before = os.environ["CAMPAIGN_TEST"]
+    os.environ["CAMPAIGN_TEST"] = context
     current = Coverage.current()
     if current is not None:
-        current.switch_context(item.nodeid)
-    return (yield)
+        current.switch_context(context)
+    return before
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_fixture_setup(fixturedef: pytest.FixtureDef[Any], request: Any) -> Iterator[object]:
+    """What several tests share is run by all of them."""
+    if fixturedef.scope == "function":
+        return (yield)
+    name = f"{fixturedef.baseid}::{fixturedef.argname}"
+    before = _enter(name)
+    try:
+        return (yield)
+    finally:
+        _enter(before)
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
@@ -80,7 +94,7 @@ def pytest_sessionfinish() -> None:
     found = {
         "seconds": _seconds,
         "left": _left,
-        "fmus": {test: sorted(names) for test, names in _fmus.items()},
+        "shared": _shared,
         "browser": dict.fromkeys(sorted(_browser), True),
     }
     Path(os.environ["CAMPAIGN_WATCH"]).write_text(json.dumps(found), encoding="utf-8")
