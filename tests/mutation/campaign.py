@@ -84,6 +84,7 @@ class Campaign:
                 counts[room] = Counter(
                     self._tried(mutant)
                     for mutant in drawn(self.copy, room, self.chosen.number, seed)
+                    if any(words in str(mutant) for words in self.chosen.only or [""])
                 )
             verdicts = (KILLED, HUNG, SURVIVED, UNSEEN, INVALID)
             print(f"\nseed {seed}\n{'room':12}" + "".join(f"{v:>10}" for v in verdicts))
@@ -104,6 +105,9 @@ def main() -> None:
     parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="default: all")
     parser.add_argument("--number", type=int, default=20, help="mutants in each room (20)")
     parser.add_argument("--seed", type=int, action="append", help="default: 1")
+    parser.add_argument("--only", action="append", metavar="WORDS",
+                        help="of those drawn, mutants that are printed with these, as "
+                        "loops.py:109; may be repeated")  # fmt: skip
     parser.add_argument("--budget", type=float, default=60.0, metavar="SECONDS",
                         help="of tests for a mutant, as they take watched (60)")  # fmt: skip
     parser.add_argument("--contexts", type=Path, default=ROOT / "build" / "mutation",

@@ -95,7 +95,7 @@ class Trial:
 
     def _parts(self, tests: list[str]) -> Iterator[list[str]]:
         """The tests that take `budget` s together, in parts, each ordered by file."""
-        limits = [*FIRST, self.budget]
+        limits = [x for x in FIRST if x < self.budget] + [self.budget]
         part: list[str] = []
         spent = 0.0
         for test in tests:

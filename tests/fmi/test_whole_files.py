@@ -1,0 +1,22 @@
+"""The files of the FMUs, and their sketches, as a whole."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import pytest
+from fingerprints import assert_same
+
+from curvebound.fmi.folder import names
+
+FILES = ("modelDescription.xml", "documentation/index.html", "documentation/reference.csv",
+         "documentation/reference_inputs.csv", "resources/drawing.json",
+         "documentation/licenses/license.txt", "resources/slavemodule.txt")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", names())
+def test_files_of_an_fmu(name: str, interpreted_fmus: Path) -> None:
+    with zipfile.ZipFile(interpreted_fmus / f"{name}.fmu") as archive:
+        for file in FILES:
+            assert_same(f"fmi {name} {file}", archive.read(file).decode())
