@@ -87,6 +87,12 @@ def _number(x: float) -> str:
     return f"{x:.6g}" if isinstance(x, float) else str(x)
 
 
+def _flat(array: Any) -> list[float]:
+    """Numbers of an array, what is masked as NaN."""
+    filled = array.filled(math.nan) if hasattr(array, "filled") else array
+    return [float(x) for x in filled.ravel()]
+
+
 def _figure(figure: Any) -> Iterator[str]:
     yield f"figure {figure.get_size_inches().tolist()} {[t.get_text() for t in figure.texts]}"
     for axes in figure.get_axes():
@@ -120,10 +126,10 @@ def _artist(artist: Any) -> Iterator[str]:
             yield from _lines([float(x) for x in row], "point")
     elif hasattr(artist, "get_offsets") and hasattr(artist, "get_paths"):
         yield f"{kind} {artist.get_zorder()}"
-        yield from _lines([float(x) for x in artist.get_offsets().ravel()], "offsets")
+        yield from _lines(_flat(artist.get_offsets()), "offsets")
         array = artist.get_array()
         if array is not None:
-            yield from _lines([float(x) for x in array.ravel()], "values")
+            yield from _lines(_flat(array), "values")
     elif hasattr(artist, "get_array") and artist.get_array() is not None:
         yield f"{kind} {artist.get_zorder()}"
-        yield from _lines([float(x) for x in artist.get_array().ravel()], "values")
+        yield from _lines(_flat(artist.get_array()), "values")
