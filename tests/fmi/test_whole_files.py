@@ -12,7 +12,7 @@ from curvebound.fmi.folder import names
 
 FILES = ("modelDescription.xml", "documentation/index.html", "documentation/reference.csv",
          "documentation/reference_inputs.csv", "resources/drawing.json",
-         "documentation/licenses/license.txt", "resources/slavemodule.txt")  # fmt: skip
+         "documentation/licenses/license.txt")  # fmt: skip
 
 
 @pytest.mark.parametrize("name", names())
