@@ -43,20 +43,21 @@ class DerivativeEngine(Engine):
 
         Allowed at any time before it; their values are those at its start.
         """
-        table = self.table
         for i in range(len(vrs)):
-            vr: int = vrs[i]
-            order: int = orders[i]
-            if not self.is_one_of(vr, INPUT, INPUT, _NO_INPUT):
-                continue
-            if order != 1:
-                self.fail(
-                    f"order = {order} of the derivative of {table.names[vr]} cannot be used: "
-                    "inputs are linear in time at most, give the derivative of order 1"
-                )
-            elif vr - self.first_input < self.input_count:
-                self.slopes[vr - self.first_input] = values[i]
-                self.sloped = True
+            self.take_slope(vrs[i], orders[i], values[i])
+
+    def take_slope(self, vr: int, order: int, value: float) -> None:
+        """Make one input linear in time over the next step."""
+        if not self.is_one_of(vr, INPUT, INPUT, _NO_INPUT):
+            return
+        if order != 1:
+            self.fail(
+                f"order = {order} of the derivative of {self.table.names[vr]} cannot be used: "
+                "inputs are linear in time at most, give the derivative of order 1"
+            )
+        elif vr - self.first_input < self.input_count:
+            self.slopes[vr - self.first_input] = value
+            self.sloped = True
 
     def get_real_output_derivatives(self, vrs: list[int], orders: list[int]) -> list[float]:
         """Time derivatives of outputs at the present time; 0 with a message where there is none."""

@@ -316,27 +316,23 @@ class Engine:
 
     # -- values ------------------------------------------------------------------------------------
     def get_real(self, vrs: list[int]) -> list[float]:
-        """Values of Real variables; outputs are computed when first read after a change."""
-        reals = self.reals
-        groups = self.layout.groups
-        fresh = self.fresh
-        size = len(groups)
+        """Values of Real variables."""
         values: list[float] = []
         vr: int
         for vr in vrs:
-            group: int = groups[vr] if 0 <= vr < size else NOT_REAL
-            if group >= 0:
-                if not fresh >> group & 1:
-                    self.refresh(group)
-                    # the first reading after a start may find another layout
-                    groups = self.layout.groups
-                    fresh = self.fresh
-            elif group == NOT_REAL:
-                self.unknown(vr, "Real")
-                values.append(0.0)
-                continue
-            values.append(reals[vr])
+            values.append(self.real(vr))
         return values
+
+    def real(self, vr: int) -> float:
+        """The value of a Real variable; outputs are computed when first read after a change."""
+        group: int = self.layout.groups[vr] if 0 <= vr < self.table.size else NOT_REAL
+        if group >= 0:
+            if not self.fresh >> group & 1:
+                self.refresh(group)
+        elif group == NOT_REAL:
+            self.unknown(vr, "Real")
+            return 0.0
+        return self.reals[vr]
 
     def refresh(self, group: int) -> None:
         """Bring a group of outputs up to date; where that is impossible they keep their values."""
@@ -373,25 +369,26 @@ class Engine:
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set parameters or inputs."""
-        table = self.table
-        kinds = table.kinds
-        self.fresh &= ~self.feedthrough
         for i in range(len(vrs)):
-            vr: int = vrs[i]
-            if vr < 0 or vr >= table.size or not table.is_real(vr):
-                self.unknown(vr, "Real")
-                continue
-            if kinds[vr] == INPUT:
+            self.take_real(vrs[i], values[i])
+
+    def take_real(self, vr: int, value: float) -> None:
+        """Set a parameter or an input."""
+        self.fresh &= ~self.feedthrough
+        table = self.table
+        if vr < 0 or vr >= table.size or not table.is_real(vr):
+            self.unknown(vr, "Real")
+        elif table.kinds[vr] == INPUT:
+            self.pending = True
+            self.reals[vr] = value
+        elif self.may_set(vr):
+            self.fresh = 0
+            if self.mode == STEPPING:
                 self.pending = True
-                self.reals[vr] = values[i]
-            elif self.may_set(vr):
-                self.fresh = 0
-                if self.mode == STEPPING:
-                    self.pending = True
-                    self.retuned = True
-                else:
-                    self.stale = True
-                self.reals[vr] = values[i]
+                self.retuned = True
+            else:
+                self.stale = True
+            self.reals[vr] = value
 
     def may_set(self, vr: int) -> bool:
         """Whether a parameter may be set now; says why not."""

@@ -33,7 +33,7 @@ _INTERPRETED = (
     "fmi/wrapped.py",
 )
 _OTHERS = ("common", "declaration", "slave", "wrapped")
-_FACES = ("controller", "cutting", "derivatives", "engine", "plant", "table", "watch")
+_FACES = ("controller", "cutting", "derivatives", "direct", "engine", "plant", "table", "watch")
 #: decides, with the sources, what is compiled from them
 _TRANSLATOR = (
     *("c_functions", "extension", "modules", "repeated", "rewrite", "translate", "writer"),

@@ -118,6 +118,8 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         self.engine: Engine = self.fmu.system.create(table_of(self.fmu), self.guid_text)
         for name, own in _ENGINE.items():
             setattr(self, name, getattr(self.engine, own))
+        # the C functions of a compiled engine, which the binary calls in place of its methods
+        self.direct = getattr(sys.modules[type(self.engine).__module__], "__pyx_capi__", None)
         warning = interpreted(self.modelName, self.resources)
         if warning:
             self.engine.say(WARNING, warning)

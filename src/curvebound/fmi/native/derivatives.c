@@ -73,8 +73,12 @@ EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueRe
     Slot *slot = begin_call(c, function, SETTING, SLOPES, given(n, vr, order, value), &gil);
     if (!slot)
         return fmi2Error;
+    Instance *i = slot->object;
+    if (i->slave.direct.engine)
+        return finish(slot, leave_python(i, function, gil,
+                                         !set_slopes(&i->slave.direct, vr, n, order, value)));
     void *lists[] = {list_of_references(vr, n), list_of_orders(order, n), list_of_reals(value, n)};
-    return finish(slot, call(slot->object, function, gil, SLOPES, lists, 3, 0, NULL));
+    return finish(slot, call(i, function, gil, SLOPES, lists, 3, 0, NULL));
 }
 
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,

@@ -2,6 +2,7 @@
 #ifndef CURVEBOUND_INSTANCE_H
 #define CURVEBOUND_INSTANCE_H
 
+#include "direct.h"
 #include "fmi2.h"
 #include "handles.h"
 #include "text.h"
@@ -38,6 +39,7 @@ typedef enum { SLOPES, RATES, CHANGES } OfDerivatives;
 
 /* The Python object of an instance, and what of it every step needs. */
 typedef struct {
+    Direct direct;
     void *object;
     void *do_step;
     void *get_real;

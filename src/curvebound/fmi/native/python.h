@@ -19,6 +19,9 @@
     F(int, PyDict_Next, (void *, ptrdiff_t *, void **, void **))                                       \
     F(int, PyDict_SetItemString, (void *, const char *, void *))                                       \
     F(int, PyDict_DelItem, (void *, void *))                                                           \
+    F(void *, PyDict_GetItemString, (void *, const char *))                                            \
+    F(const char *, PyCapsule_GetName, (void *))                                                       \
+    F(void *, PyCapsule_GetPointer, (void *, const char *))                                            \
     F(void *, PyTuple_New, (ptrdiff_t))                                                                \
     F(ptrdiff_t, PyTuple_Size, (void *))                                                               \
     F(void *, PyTuple_GetItem, (void *, ptrdiff_t))                                                    \

@@ -70,7 +70,8 @@ static void *find_class(const char *module)
 
 static void drop(Slave *slave)
 {
-    void *all[] = {slave->object, slave->do_step, slave->get_real, slave->set_real, slave->queue};
+    void *all[] = {slave->direct.engine, slave->object,   slave->do_step,
+                   slave->get_real,      slave->set_real, slave->queue};
     for (int k = SLOPES; k <= CHANGES; k++)
         py.Py_DecRef(slave->of_derivatives[k]);
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
@@ -117,6 +118,7 @@ static bool make(Instance *i, Slave *slave)
         slave->of_derivatives[k] = py.PyObject_GetAttrString(slave->object, names[k]);
         py.PyErr_Clear();
     }
+    find_direct(&slave->direct, slave->object);
     return true;
 }
 

@@ -15,6 +15,19 @@ static double slack(double step, double time)
     return rounding > adding ? rounding : adding;
 }
 
+/* What the slave's method answers: 1 for a step made, 0, or -1 with an exception set. */
+static int call_do_step(void *method, double time, double step)
+{
+    void *now = py.PyFloat_FromDouble(time), *size = py.PyFloat_FromDouble(step), *result = NULL;
+    if (now && size)
+        result = py.PyObject_CallFunctionObjArgs(method, now, size, NULL);
+    int answer = result ? py.PyObject_IsTrue(result) : -1;
+    py.Py_DecRef(now);
+    py.Py_DecRef(size);
+    py.Py_DecRef(result);
+    return answer;
+}
+
 EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_rollback)
 {
     Slot *slot = begin(c, "fmi2DoStep", STEPPING);
@@ -30,14 +43,11 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2
     }
     if (!enter_python(i, "fmi2DoStep", &gil))
         return finish(slot, i->now.step_status = fmi2Error);
-    void *now = py.PyFloat_FromDouble(time), *size = py.PyFloat_FromDouble(step), *result = NULL;
-    if (now && size)
-        result = py.PyObject_CallFunctionObjArgs(i->slave.do_step, now, size, NULL);
-    bool completed = result && py.PyObject_IsTrue(result);
-    py.Py_DecRef(now);
-    py.Py_DecRef(size);
-    py.Py_DecRef(result);
-    fmi2Status status = leave_python(i, "fmi2DoStep", gil, !result);
+    const Direct *direct = &i->slave.direct;
+    int answer = direct->engine ? direct->do_step(direct->engine, time, step)
+                                : call_do_step(i->slave.do_step, time, step);
+    bool completed = answer == 1;
+    fmi2Status status = leave_python(i, "fmi2DoStep", gil, answer == -1);
     if (status < fmi2Error && !completed)
         status = fmi2Discard;
     i->now.step_status = status;

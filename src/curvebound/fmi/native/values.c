@@ -88,7 +88,7 @@ LISTS(String)
 #define list_of_Real list_of_reals
 #define take_Real(i, list, n, value) take_reals(list, n, value)
 
-/* -- calls -- */
+/* -- by methods of the slave, with lists -- */
 
 #define get_Real(i, vr) py.PyObject_CallFunctionObjArgs(i->slave.get_real, vr, NULL)
 #define get_Integer(i, vr) call_method(i->slave.object, "get_integer", vr, NULL, NULL)
@@ -98,6 +98,41 @@ LISTS(String)
 #define set_Integer(i, vr, values) call_method(i->slave.object, "set_integer", vr, values, NULL)
 #define set_Boolean(i, vr, values) call_method(i->slave.object, "set_boolean", vr, values, NULL)
 #define set_String(i, vr, values) call_method(i->slave.object, "set_string", vr, values, NULL)
+
+#define BY_METHODS(name)                                                                               \
+    static bool read_##name(Instance *i, const fmi2ValueReference vr[], size_t n, fmi2##name value[])  \
+    {                                                                                                  \
+        void *references = list_of_references(vr, n), *values = NULL;                                  \
+        if (references)                                                                                \
+            values = get_##name(i, references);                                                        \
+        bool taken = values && take_##name(i, values, n, value);                                       \
+        py.Py_DecRef(references);                                                                      \
+        py.Py_DecRef(values);                                                                          \
+        return taken;                                                                                  \
+    }                                                                                                  \
+                                                                                                       \
+    static bool write_##name(Instance *i, const fmi2ValueReference vr[], size_t n,                     \
+                             const fmi2##name value[])                                                 \
+    {                                                                                                  \
+        void *references = list_of_references(vr, n), *values = list_of_##name(value, n);              \
+        void *result = references && values ? set_##name(i, references, values) : NULL;                \
+        py.Py_DecRef(references);                                                                      \
+        py.Py_DecRef(values);                                                                          \
+        py.Py_DecRef(result);                                                                          \
+        return result != NULL;                                                                         \
+    }
+
+BY_METHODS(Real)
+BY_METHODS(Integer)
+BY_METHODS(Boolean)
+BY_METHODS(String)
+
+/* -- calls -- */
+
+#define direct_Real(i) (i->slave.direct.engine != NULL)
+#define direct_Integer(i) false
+#define direct_Boolean(i) false
+#define direct_String(i) false
 
 #define passable_Real(i, n, value) true
 #define passable_Integer(i, n, value) true
@@ -128,12 +163,8 @@ static bool passable_String(Instance *i, size_t n, const fmi2String *value)
             return done(slot, fmi2OK);                                                                 \
         if (!enter_python(i, "fmi2Get" #name, &gil))                                                   \
             return done(slot, fmi2Error);                                                              \
-        void *references = list_of_references(vr, n), *values = NULL;                                  \
-        if (references)                                                                                \
-            values = get_##name(i, references);                                                        \
-        bool taken = values && take_##name(i, values, n, value);                                       \
-        py.Py_DecRef(references);                                                                      \
-        py.Py_DecRef(values);                                                                          \
+        bool taken = direct_##name(i) ? get_reals(&i->slave.direct, vr, n, (void *)value)              \
+                                      : read_##name(i, vr, n, value);                                  \
         return done(slot, leave_python(i, "fmi2Get" #name, gil, !taken));                              \
     }
 
@@ -152,12 +183,9 @@ static bool passable_String(Instance *i, size_t n, const fmi2String *value)
             return done(slot, fmi2OK);                                                                 \
         if (!enter_python(i, "fmi2Set" #name, &gil))                                                   \
             return done(slot, fmi2Error);                                                              \
-        void *references = list_of_references(vr, n), *values = list_of_##name(value, n);              \
-        void *result = references && values ? set_##name(i, references, values) : NULL;                \
-        py.Py_DecRef(references);                                                                      \
-        py.Py_DecRef(values);                                                                          \
-        py.Py_DecRef(result);                                                                          \
-        return finish(slot, leave_python(i, "fmi2Set" #name, gil, !result));                           \
+        bool taken = direct_##name(i) ? set_reals(&i->slave.direct, vr, n, (const void *)value)        \
+                                      : write_##name(i, vr, n, value);                                 \
+        return finish(slot, leave_python(i, "fmi2Set" #name, gil, !taken));                            \
     }
 
 GETTER(Real)
