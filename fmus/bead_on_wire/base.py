@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
+from curvebound.kernel.base import Values
 from curvebound.kernel.frame import FramedModel
 
 __all__ = ["BeadBase"]
@@ -144,7 +145,7 @@ class BeadBase(FramedModel):
         self.potential = -self.m * (lift_x + lift_y)
         self.potential_size = self.m * (math.fabs(lift_x) + math.fabs(lift_y))
 
-    def observe(self, group: int, values: list[float], first: int) -> None:
+    def observe(self, group: int, values: Values, first: int) -> None:
         if group == 0:
             px, py, vx, vy = self.relative()
             values[first] = self.x + px

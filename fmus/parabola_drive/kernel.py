@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
-from curvebound.kernel.base import Inputs
+from curvebound.kernel.base import Inputs, Values
 from curvebound.kernel.law import Law
 
 from .waveform import WHOLE, chirp_cycles, chirp_frequency, wave, wave_rate
@@ -153,7 +153,7 @@ class ParabolaDrive(Law):
         self.kind = choices["waveform.kind"]
         self.axis = choices["waveform.axis"]
 
-    def set_inputs(self, values: list[float], first: int) -> None:
+    def set_inputs(self, values: Values, first: int) -> None:
         """Take the measurements values[first:first + 6], all finite, in the order of INPUTS."""
         self.u = values[first]
         self.u_rate = values[first + 1]
@@ -346,7 +346,7 @@ class ParabolaDrive(Law):
         self.at_start = self.kept_start
 
     # -- observation -----------------------------------------------------------------------------
-    def observe(self, group: int, values: list[float], first: int) -> None:
+    def observe(self, group: int, values: Values, first: int) -> None:
         """Write the outputs of one group to values[first + position in OUTPUTS]."""
         sample = self.sample_time()
         held = sample != sample

@@ -16,6 +16,7 @@ import math
 from typing import ClassVar, Final
 
 from curvebound.kernel.angles import unwind
+from curvebound.kernel.base import Values
 from curvebound.kernel.frame import THIRD, FramedModel
 
 __all__ = ["ParabolaBase"]
@@ -225,7 +226,7 @@ class ParabolaBase(FramedModel):
         """Normal force, tension, force on the parabola (x, y), all N, of the present state."""
         raise NotImplementedError
 
-    def observe(self, group: int, values: list[float], first: int) -> None:
+    def observe(self, group: int, values: Values, first: int) -> None:
         if group == 0:
             self.write_places(values, first)
         elif group == 1:
@@ -244,7 +245,7 @@ class ParabolaBase(FramedModel):
         else:
             values[first + 26] = self.acceleration_error()
 
-    def write_places(self, values: list[float], first: int) -> None:
+    def write_places(self, values: Values, first: int) -> None:
         """Write the outputs of group 0."""
         u = self.q0
         x = self.x + u
@@ -258,7 +259,7 @@ class ParabolaBase(FramedModel):
         values[first + 8] = x + self.r * math.sin(self.q1)
         values[first + 9] = y - self.r * math.cos(self.q1)
 
-    def write_velocities(self, values: list[float], first: int) -> None:
+    def write_velocities(self, values: Values, first: int) -> None:
         """Write the outputs of group 1."""
         u = self.q0
         vx = self.vx + self.v0
@@ -269,7 +270,7 @@ class ParabolaBase(FramedModel):
         values[first + 10] = vx + speed * math.cos(self.q1)
         values[first + 11] = vy + speed * math.sin(self.q1)
 
-    def write_parabola(self, values: list[float], first: int) -> None:
+    def write_parabola(self, values: Values, first: int) -> None:
         """Write the outputs of group 2."""
         values[first + 12] = self.x
         values[first + 13] = self.y

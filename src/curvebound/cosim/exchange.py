@@ -8,7 +8,7 @@ written from where they were read: most scenes copy nothing.
 from __future__ import annotations
 
 from collections.abc import Callable
-from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p
 from functools import partial
 from typing import Any
 
@@ -38,7 +38,7 @@ class Exchange:
         self._segments: dict[tuple[str, str, int], tuple[int, list[Port]]] = {}
         self._inputs: dict[tuple[str, str], tuple[int, list[Port]]] = {}
         self._calls: dict[int, tuple[str, str]] = {}
-        self._kept: list[Any] = []  # ctypes arrays that prepared calls point to
+        self._kept: list[Any] = []  # the prepared calls, whose ids are keys above
         self._reads: dict[tuple[str, int], list[Call]] = {}
         self._writes: dict[str, list[Call]] = {}
         self.feeders: dict[str, dict[Port, str]] = {name: {} for name in system.nodes}
@@ -118,18 +118,8 @@ class Exchange:
     ) -> Call:
         references = (c_uint * len(ports))(*(self.system.variable(p).reference for p in ports))
         array = self._array(kind)
-        pointer = c_void_p(array.ctypes.data + at * array.itemsize)
-        self._kept.append(references)
-        function = what + kind
-        call = partial(
-            instance.library.function("fmi2" + function),
-            instance.pointer,
-            references,
-            c_size_t(len(ports)),
-            pointer,
-        )
-        self.register(call, instance.name, function)
-        return call
+        values = c_void_p(array.ctypes.data + at * array.itemsize)
+        return self.prepare(instance, what + kind, references, c_size_t(len(ports)), values)
 
     def read(self, instance: Instance, level: int) -> list[Call]:
         """Calls that read this component's outputs of a level; made once."""
@@ -213,8 +203,13 @@ class Exchange:
         """The call that steps this component from `time` by `size`, both read when it is made."""
         scene = self.system.scene
         keeps = c_int(not (scene.rolls_back or scene.goes_back))  # no rollback behind this point
-        call = partial(instance.library.function("fmi2DoStep"), instance.pointer, time, size, keeps)
-        self.register(call, instance.name, "DoStep")
+        return self.prepare(instance, "DoStep", time, size, keeps)
+
+    def prepare(self, instance: Instance, function: str, *arguments: Any) -> Call:
+        """The call of an FMI function of `instance`, which reads arrays and doubles when made."""
+        given = (instance.pointer, *arguments)
+        call = partial(instance.library.function("fmi2" + function), *map(_converted, given))
+        self.register(call, instance.name, function)
         return call
 
     def register(self, call: Call, component: str, function: str) -> None:
@@ -251,6 +246,15 @@ class Exchange:
                         function = self.system.signals[target]
                         setters.append((function, path_of(target), view, at + i, kind == "Real"))
         return setters
+
+
+def _converted(argument: Any) -> Any:
+    """A ctypes object as ctypes hands it on: converted once, not at each call."""
+    if isinstance(argument, Array):
+        return byref(argument)
+    if isinstance(argument, c_double):
+        return argument
+    return type(argument).from_param(argument.value)
 
 
 def _gathering(array: NDArray[Any], sources: list[int], to: list[int]) -> Call:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from ctypes import c_double, c_size_t, c_uint, c_void_p
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,9 +62,9 @@ class LoopChanges:
             rows = [i for i, port in enumerate(members) if port[0] == name]
             unknowns = (c_uint * len(rows))(*(system.variable(members[i]).reference for i in rows))
             found = np.zeros(len(rows))
-            call = partial(
-                instances[name].library.function("fmi2GetDirectionalDerivative"),
-                instances[name].pointer,
+            call = exchange.prepare(
+                instances[name],
+                "GetDirectionalDerivative",
                 unknowns,
                 c_size_t(len(rows)),
                 (c_uint * 1)(system.variable(link.target).reference),
@@ -73,7 +72,6 @@ class LoopChanges:
                 (c_double * 1)(link.factor),
                 c_void_p(found.ctypes.data),
             )
-            exchange.register(call, name, "GetDirectionalDerivative")
             self._calls.append(call)
             self._parts.append((found, rows, members.index(link.source)))
 

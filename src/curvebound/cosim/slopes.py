@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from ctypes import c_double, c_int, c_size_t, c_uint
-from functools import partial
 from typing import Any
 
 from .exchange import Call, Exchange
@@ -140,19 +139,12 @@ class Slopes:
         return self._filled(call, known, copies, slopes)
 
     def _call(self, name: str, function: str, ports: Sequence[Port], values: Any) -> Call:
-        instance = self.instances[name]
         references = (c_uint * len(ports))(*(self.system.variable(p).reference for p in ports))
         orders = (c_int * len(ports))(*([1] * len(ports)))
-        call = partial(
-            instance.library.function("fmi2" + function),
-            instance.pointer,
-            references,
-            c_size_t(len(ports)),
-            orders,
-            values,
+        count = c_size_t(len(ports))
+        return self.exchange.prepare(
+            self.instances[name], function, references, count, orders, values
         )
-        self.exchange.register(call, name, function)
-        return call
 
     def _filled(
         self,
@@ -167,6 +159,7 @@ class Slopes:
         factor.
         """
         values = memoryview(self.exchange.reals)  # type: ignore[arg-type]
+        found = memoryview(slopes).cast("B").cast("d")
         time, size = self.time, self.size
 
         def set_slopes() -> Any:
@@ -174,9 +167,9 @@ class Slopes:
                 ahead = size.value * (1.0 - EARLY)
                 end = time.value + ahead
                 for k, function, path, place in signals:
-                    slopes[k] = (value_of(function, path, end) - values[place]) / ahead
+                    found[k] = (value_of(function, path, end) - values[place]) / ahead
             for k, rates, i, factor in copies:
-                slopes[k] = factor * rates[i]
+                found[k] = factor * rates[i]
             return call()
 
         self.exchange.register(set_slopes, *self.exchange.origin(call))

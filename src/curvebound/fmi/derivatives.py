@@ -134,7 +134,8 @@ class DerivativeEngine(Engine):
         if vr < 0 or vr >= table.size or not table.is_real(vr):
             self.unknown(vr, "Real")
             return False
-        if first <= table.kinds[vr] <= last:
+        kind: int = table.kinds[vr]
+        if first <= kind <= last:
             return True
         return self.fail(f"{table.names[vr]} {wrong}")
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..kernel.base import MOST_INPUTS, Inputs
+from ..kernel.base import MOST_INPUTS, MOST_VARIABLES, Inputs, Values
 from .table import (
     CHOICE,
     COUNT_PARAMETER,
@@ -69,7 +69,9 @@ class Engine:
         #: s, the experiment's start and stop; infinity where the latter is not defined
         self.begin: float = 0.0
         self.end: float = math.inf
-        self.reals: list[float] = table.starts[:]
+        self.reals: Values = [0.0] * MOST_VARIABLES
+        for vr in range(table.size):
+            self.reals[vr] = table.starts[vr]
         self.integers: list[int] = [int(x) for x in table.starts]
         self.first_input: int = table.first_input
         self.input_count: int = min(table.first_output - table.first_input, MOST_INPUTS)
@@ -164,11 +166,11 @@ class Engine:
         table = self.table
         self.start()
         inputs = list(range(table.first_input, table.first_output))
-        groups = self.layout.groups
-        return [
-            inputs if groups[vr] >= 0 and self.feedthrough >> groups[vr] & 1 else []
-            for vr in range(table.size)
-        ]
+        found: list[list[int]] = []
+        for vr in range(table.size):
+            group: int = self.layout.groups[vr]
+            found.append(inputs if group >= 0 and self.feedthrough >> group & 1 else [])
+        return found
 
     # -- life cycle --------------------------------------------------------------------------------
     def setup_experiment(
@@ -301,7 +303,8 @@ class Engine:
         """The message for an input or tunable parameter that cannot be used, or ''."""
         table = self.table
         for vr in range(table.first_input, table.first_output):
-            if not abs(self.reals[vr]) <= LARGEST:
+            x: float = self.reals[vr]
+            if not abs(x) <= LARGEST:
                 return (
                     f"{self.value(vr)} cannot be used: set input {table.names[vr]} to a finite "
                     f"number, at most {LARGEST!r} in size"
@@ -339,20 +342,20 @@ class Engine:
         if not self.ready():
             return
         members: list[int] = self.layout.members[group]
-        reals = self.reals
         vr: int
         try:
             if group == self.layout.counts:
                 for vr in members:
-                    reals[vr] = float(self.count_of(vr))
+                    self.reals[vr] = float(self.count_of(vr))
             else:
                 self.observe(group)
         except (ZeroDivisionError, OverflowError, ValueError):
-            reals[members[0]] = math.inf
+            vr = members[0]
+            self.reals[vr] = math.inf
         for vr in members:
-            x: float = reals[vr]
+            x: float = self.reals[vr]
             if not -OVERFLOW <= x <= OVERFLOW:
-                reals[vr] = -OVERFLOW if x < 0.0 else OVERFLOW
+                self.reals[vr] = -OVERFLOW if x < 0.0 else OVERFLOW
                 self.fail(
                     f"{self.table.names[vr]} does not fit a floating-point number at time "
                     f"{self.time!r} s: rescale the parameters, or reduce solver.step"
@@ -552,7 +555,7 @@ class Engine:
             self.tolerance,
             1.0 if self.stale else 0.0,
         ]
-        state = [head, self.reals[: table.first_output]]
+        state = [head, [self.reals[vr] for vr in range(table.first_output)]]
         state.append([float(i) for i in self.integers[: table.first_input]])
         state.append([self.slopes[i] for i in range(self.input_count)])
         if self.mode != INSTANTIATED:
@@ -569,7 +572,7 @@ class Engine:
         same = (
             self.mode != INSTANTIATED
             and not self.stale
-            and self.reals[: table.first_input] == parameters
+            and [self.reals[vr] for vr in range(table.first_input)] == parameters
             and self.integers[: table.first_input] == integers
             and self.tolerance == head[3]
         )
@@ -577,7 +580,8 @@ class Engine:
         self.time = head[1]
         self.tolerance_defined = head[2] != 0.0
         self.tolerance = head[3]
-        self.reals[: table.first_output] = state[1]
+        for vr in range(table.first_output):
+            self.reals[vr] = state[1][vr]
         self.integers[: table.first_input] = integers
         self.sloped = False
         for i in range(self.input_count):

@@ -84,7 +84,10 @@ class PlantEngine(DerivativeEngine):
         )
 
     def take_inputs(self) -> None:
-        self.model.set_inputs(self.reals, self.table.first_input)
+        model = self.model
+        for i in range(model.input_count):
+            model.inputs[i] = self.reals[self.first_input + i]
+        model.hold_inputs()
 
     def observe(self, group: int) -> None:
         self.model.observe(group, self.reals, self.table.first_output)
@@ -95,7 +98,7 @@ class PlantEngine(DerivativeEngine):
         try:
             return output_rates(self.model, self.ramp, self.slopes)
         except (ZeroDivisionError, OverflowError, ValueError):
-            self.model.set_inputs(self.reals, self.table.first_input)
+            self.take_inputs()
             self.model.undo()
             return [math.inf] * len(self.model.OUTPUTS)
 

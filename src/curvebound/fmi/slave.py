@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from .declaration import CHOICE, COUNT, COUNT_PARAMETER, INPUT, OUTPUT, PARAMETER, Fmu
+from .derivatives import DerivativeEngine
 from .engine import Engine
 from .table import ERROR, WARNING, Message, Table
 
@@ -119,7 +120,10 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         for name, own in _ENGINE.items():
             setattr(self, name, getattr(self.engine, own))
         # the C functions of a compiled engine, which the binary calls in place of its methods
-        self.direct = getattr(sys.modules[type(self.engine).__module__], "__pyx_capi__", None)
+        self.direct: object = None
+        if isinstance(self.engine, DerivativeEngine):
+            module = sys.modules[DerivativeEngine.__module__]
+            self.direct = getattr(module, "__pyx_capi__", None)
         warning = interpreted(self.modelName, self.resources)
         if warning:
             self.engine.say(WARNING, warning)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Annotated, Final
+
+from ..kernel.base import MOST_VARIABLES
 
 __all__ = ["ERROR", "WARNING", "Layout", "Message", "Table"]
 
@@ -27,6 +29,8 @@ EPSILON: Final = 2.220446049250313e-16
 #: markers in the table of output groups
 NO_GROUP: Final = -1
 NOT_REAL: Final = -2
+
+Marks = Annotated[list[int], MOST_VARIABLES]
 
 
 def rate_of(names: list[str], vr: int) -> int:
@@ -62,7 +66,9 @@ class Layout:
         #: the outputs by name, with the group of each
         self.outputs = outputs
         #: group by value reference: NO_GROUP for what needs no computation, else NOT_REAL
-        self.groups = groups
+        self.groups: Marks = [0] * MOST_VARIABLES
+        for vr in range(len(groups)):
+            self.groups[vr] = groups[vr]
         #: the outputs of each group
         self.members = members
         #: the group of the counts
@@ -83,8 +89,12 @@ class Table:
         tunable: list[bool],
         items: list[list[str]],
     ) -> None:
+        if len(names) > MOST_VARIABLES:
+            raise ValueError(f"there are {len(names)} variables: at most {MOST_VARIABLES} can be")
         self.names = names
-        self.kinds = kinds
+        self.kinds: Marks = [0] * MOST_VARIABLES
+        for vr in range(len(kinds)):
+            self.kinds[vr] = kinds[vr]
         self.units = units
         self.starts = starts
         #: least allowed value of a parameter (itself excluded where `above`), -inf without bound
@@ -93,10 +103,10 @@ class Table:
         self.tunable = tunable
         #: names of the items of a choice
         self.items = items
-        self.size = len(names)
-        self.first_input = self._first(INPUT)
-        self.first_output = self._first(OUTPUT)
-        self.first_count = self._first(COUNT)
+        self.size: int = len(names)
+        self.first_input: int = self._first(INPUT)
+        self.first_output: int = self._first(OUTPUT)
+        self.first_count: int = self._first(COUNT)
         #: by value reference: the variable that is the rate of another, or NO_GROUP
         self.rates: list[int] = [rate_of(names, vr) for vr in range(self.size)]
         self.by_name = {name: i for i, name in enumerate(names)}
@@ -108,10 +118,10 @@ class Table:
         ]
 
     def _first(self, kind: int) -> int:
-        for i in range(len(self.kinds)):
+        for i in range(self.size):
             if self.kinds[i] >= kind:
                 return i
-        return len(self.kinds)
+        return self.size
 
     def is_real(self, vr: int) -> bool:
         kind: int = self.kinds[vr]
@@ -135,7 +145,7 @@ class Table:
                 f"the outputs are declared as {declared}, but computed as {list(outputs)}"
             )
         first: Layout = self.layouts[0]
-        groups = first.groups[:]
+        groups = [first.groups[vr] for vr in range(self.size)]
         counts = max(outputs.values()) + 1
         members: list[list[int]] = [[] for _ in range(counts)]
         for name, group in outputs.items():

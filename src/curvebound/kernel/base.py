@@ -13,11 +13,17 @@ from __future__ import annotations
 import math
 from typing import Annotated, ClassVar, Final
 
-__all__ = ["MOST_INPUTS", "Inputs", "Model", "acceleration_of", "jacobian_of"]
+__all__ = [
+    *("MOST_INPUTS", "MOST_VARIABLES", "Inputs", "Model", "Values"),
+    *("acceleration_of", "jacobian_of"),
+]
 
 #: of one model
 MOST_INPUTS: Final = 32
 Inputs = Annotated[list[float], MOST_INPUTS]
+#: of one FMU
+MOST_VARIABLES: Final = 512
+Values = Annotated[list[float], MOST_VARIABLES]
 
 
 class Model:
@@ -105,6 +111,11 @@ class Model:
         """Take the inputs values[first:first + len(INPUTS)], all finite, in the order of INPUTS."""
         for i in range(self.input_count):
             self.inputs[i] = values[first + i]
+        self.hold_inputs()
+
+    def hold_inputs(self) -> None:
+        """Take over `inputs`, without slopes."""
+        for i in range(self.input_count):
             self.slopes[i] = 0.0
         self.take_inputs()
         self.refresh()
@@ -199,7 +210,7 @@ class Model:
         raise NotImplementedError
 
     # -- observation -------------------------------------------------------------------------------
-    def observe(self, group: int, values: list[float], first: int) -> None:
+    def observe(self, group: int, values: Values, first: int) -> None:
         """Write the outputs of one group to values[first + position in OUTPUTS]."""
         raise NotImplementedError
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from .base import Model
+from .base import MOST_VARIABLES, Model, Values
 
 __all__ = ["output_changes"]
 
@@ -32,18 +32,22 @@ def output_changes(model: Model, seeds: list[float]) -> list[float]:
     if size == 0.0:
         return [0.0] * count
     inputs = [model.inputs[i] for i in range(len(seeds))]
-    ends: list[list[float]] = [[0.0] * count, [0.0] * count]
+    before: Values = [0.0] * MOST_VARIABLES
+    after: Values = [0.0] * MOST_VARIABLES
     compared: list[list[float]] = [[], []]
     for side in range(2):
         h = FAR if side == 1 else -FAR
         model.set_inputs([h * (seed / size) for seed in seeds], 0)
         for group in model.FEEDTHROUGH:
-            model.observe(group, ends[side], 0)
+            if side == 1:
+                model.observe(group, after, 0)
+            else:
+                model.observe(group, before, 0)
         model.compare()
         compared[side] = [model.linear0, model.linear1, model.full0, model.full1]
     model.set_inputs(inputs, 0)
     scale = 0.5 * size / FAR
-    changes = differences(ends[0], ends[1], scale)
+    changes = [(after[i] - before[i]) * scale for i in range(count)]
     if ERROR in model.OUTPUTS:
         change = error_change(model, differences(compared[0], compared[1], scale))
         changes[list(model.OUTPUTS).index(ERROR)] = change

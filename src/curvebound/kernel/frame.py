@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from .angles import reduce_angle
-from .base import Model
+from .base import Model, Values
 
 __all__ = ["THIRD", "FramedModel"]
 
@@ -106,7 +106,7 @@ class FramedModel(Model):
         self.vx = self.kept_vx
         self.vy = self.kept_vy
 
-    def write_energies(self, values: list[float], at: int) -> None:
+    def write_energies(self, values: Values, at: int) -> None:
         """Write energy.kinetic, .potential, .total, .residual from values[at] on."""
         self.energies_at(0.0)
         total = self.kinetic + self.potential

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from .base import Inputs
+from .base import Inputs, Values
 
 __all__ = ["Law"]
 
@@ -31,7 +31,7 @@ class Law:
         """Take changed tunable parameters: from the next communication point or sample on."""
         raise NotImplementedError
 
-    def set_inputs(self, values: list[float], first: int) -> None:
+    def set_inputs(self, values: Values, first: int) -> None:
         """Take the inputs values[first:first + len(INPUTS)], all finite, in the order of INPUTS."""
         raise NotImplementedError
 
@@ -49,7 +49,7 @@ class Law:
         """
         return ""
 
-    def observe(self, group: int, values: list[float], first: int) -> None:
+    def observe(self, group: int, values: Values, first: int) -> None:
         """Write the outputs of one group to values[first + position in OUTPUTS]."""
         raise NotImplementedError
 

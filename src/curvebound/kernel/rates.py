@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from .base import Inputs, Model
+from .base import MOST_VARIABLES, Inputs, Model, Values
 from .ramp import Ramp
 
 __all__ = ["output_rates"]
@@ -31,7 +31,8 @@ def output_rates(model: Model, ramp: Ramp, slopes: Inputs) -> list[float]:
     a1 = model.a1
     power = model.power(0.0, q0, q1, v0, v1, a0, a1) if model.works else 0.0
     e = PART * time_of_change(model, q0, q1, v0, v1, a0, a1)
-    ends: list[list[float]] = [[0.0] * count, [0.0] * count]
+    before: Values = [0.0] * MOST_VARIABLES
+    after: Values = [0.0] * MOST_VARIABLES
     for side in range(2):
         t = e if side == 1 else -e
         ramp.begin(model, slopes, t)
@@ -42,11 +43,12 @@ def output_rates(model: Model, ramp: Ramp, slopes: Inputs) -> list[float]:
         model.v1 = v1 + t * a1
         model.work = work + t * power
         for group in range(groups):
-            model.observe(group, ends[side], 0)
+            if side == 1:
+                model.observe(group, after, 0)
+            else:
+                model.observe(group, before, 0)
         model.set_inputs(inputs, 0)
         model.undo()
-    before: list[float] = ends[0]
-    after: list[float] = ends[1]
     return [(after[i] - before[i]) / (2.0 * e) for i in range(count)]
 
 

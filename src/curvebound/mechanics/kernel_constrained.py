@@ -228,7 +228,7 @@ class ConstrainedClass(DerivedClass):
         (coordinate,), (rate,) = d.q, d.v
         name = d.raw[0].of.name
         deep = " " * 12
-        lines = ["", "    def observe(self, group: int, values: list[float], first: int) -> None:"]
+        lines = ["", "    def observe(self, group: int, values: Values, first: int) -> None:"]
         lines.append(f"        if group == {PLACES}:")
         places = [(at[f"{name}.{a}"], x + p) for a, x, p in zip("xy", d.place, c.p, strict=True)]
         places += [("coordinate", c.coordinate), (at[rate.name], self._rate())]
@@ -253,6 +253,6 @@ class ConstrainedClass(DerivedClass):
             own = dict(zip(d.raw[0].of.reaction, reaction, strict=True))
             own |= {coordinate: c.coordinate, rate: self._rate()}
             forces.append((at[observed], sympy.sympify(e).subs(own)))
-        lines += ["", "    def write_forces(self, values: list[float], first: int) -> None:"]
+        lines += ["", "    def write_forces(self, values: Values, first: int) -> None:"]
         lines.append(f'        """Write the outputs of group {FORCES}."""')
         return lines + self.body(forces)

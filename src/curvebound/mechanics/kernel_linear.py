@@ -178,7 +178,7 @@ class LinearClass(DerivedClass):
                 pairs.append((at[f"{self.m.frame}.f{n}"], -total))
         for name, e in self.m.observed.items():
             pairs.append((at[name], sympy.sympify(e).subs(forces)))
-        lines = ["", "    def write_forces(self, values: list[float], first: int) -> None:"]
+        lines = ["", "    def write_forces(self, values: Values, first: int) -> None:"]
         lines += [self._call("self"), "        a0 = self.a0", "        a1 = self.a1"]
         return lines + self.body(pairs, ACCELERATIONS)
 

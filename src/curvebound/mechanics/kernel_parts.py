@@ -196,8 +196,8 @@ class ModelParts(SizeParts):
             ]
         lines += ["        self.ex = self.gx - self.ax", "        self.ey = self.gy - self.ay"]
         if self.magnified:
-            lines += ["", "    def set_inputs(self, values: list[float], first: int) -> None:"]
-            lines += ["        super().set_inputs(values, first)"]
+            lines += ["", "    def hold_inputs(self) -> None:"]
+            lines += ["        super().hold_inputs()"]
             lines += ["        if self.fresh != 0.0:", "            self.fresh = 0.0"]
             lines += ["            self.magnification = self.magnifies()"]
         return lines
@@ -301,7 +301,7 @@ class ModelParts(SizeParts):
             axis = "xy"[r.axis]
             places.append((at[f"{r.of.name}.{axis}"], d.place[r.axis] + r.position))
             velocities.append((at[f"{r.of.name}.v{axis}"], d.motion[r.axis] + d.velocity(r)))
-        lines = ["", "    def observe(self, group: int, values: list[float], first: int) -> None:"]
+        lines = ["", "    def observe(self, group: int, values: Values, first: int) -> None:"]
         deep = " " * 12
         lines.append(f"        if group == {PLACES}:")
         for (c, f), (v, g) in zip(self.coordinates, self.rates, strict=True):
@@ -327,7 +327,7 @@ class ModelParts(SizeParts):
             lines += ["        else:"]
             lines.append(f"{deep}{at['model.acceleration_error']} = self.acceleration_error()")
         if self.observed:
-            lines += ["", "    def write_forces(self, values: list[float], first: int) -> None:"]
+            lines += ["", "    def write_forces(self, values: Values, first: int) -> None:"]
             lines.append(f'        """Write the outputs of group {FORCES}."""')
             lines += self.body([(at[n], e) for n, e in self.observed.items()])
         return lines

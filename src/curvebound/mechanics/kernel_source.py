@@ -19,6 +19,7 @@ import math
 from typing import ClassVar
 
 from curvebound.kernel.angles import TURN, TURN_REST, nearest_whole, reduce_angle, unwind
+from curvebound.kernel.base import Values
 from curvebound.kernel.frame import THIRD, FramedModel
 
 __all__ = [{public}]
