@@ -3,7 +3,7 @@
     python tests/benchmarks                   everything, one after the other (hours)
     python tests/benchmarks GROUP [...]       one group; GROUP --help shows its arguments
 
-groups: cost, start, pythons, macro, holds, sweep, tune, facts, long, maps, live
+groups: cost, start, building, pythons, macro, holds, sweep, tune, facts, long, maps, live
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ if __name__ == "__main__":  # this folder is found as `benchmarks`, not its file
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
 from benchmarks import (
+    building,
     cost,
     facts,
     holds,
@@ -34,6 +35,7 @@ from curvebound.errors import CurveboundError
 GROUPS = {
     "cost": (cost, "kernel and FMUs beside hand-written C, scipy, heyoka and MuJoCo"),
     "start": (start, "CPU time of the command line's start"),
+    "building": (building, "CPU time of building: all FMUs, one kernel, again"),
     "pythons": (pythons, "one FMU file under each CPython, in fmpy and in a C host"),
     "macro": (macro_step, "a macro step of a scene here and in other tools that read SSP"),
     "holds": (holds, "a macro step with inputs linear in time beside one with inputs held"),
