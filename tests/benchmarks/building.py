@@ -1,6 +1,6 @@
 """What building takes: CPU time of the three FMUs with nothing cached, of one kernel, and again.
 
-For this machine alone: where mingw-w64 is installed, too, `curvebound build` compiles for Windows as
+For this machine alone: where mingw-w64 is installed, `curvebound build` compiles for Windows as
 well, which takes as long once more.
 """
 
