@@ -99,6 +99,10 @@ def _figure(figure: Any) -> Iterator[str]:
         names = [axes.get_title(), axes.get_xlabel(), axes.get_ylabel()]
         yield f"axes {names} {axes.get_xscale()} {axes.get_yscale()} {axes.axison}"
         yield from _lines([*map(float, (*axes.get_xlim(), *axes.get_ylim()))], "limits")
+        for axis in (axes.xaxis, axes.yaxis):
+            at = [float(x) for x in axis.get_majorticklocs()]
+            yield f"ticks {axis.get_major_formatter().format_ticks(at)}"
+            yield from _lines(at, "at")
         for artist in axes.get_children():
             yield from _artist(artist)
         if axes.get_legend() is not None:

@@ -415,3 +415,60 @@ def test_a_sample_within_a_step_measures_what_has_risen() -> None:
     law.set_inputs([0.5, 0.0, 0.0, 0.0, 0.0, 0.25], 0)
     law.advance(0.0, 0.05, [1.0, 0.0, 0.0, 0.0, 0.0, 2.0, *HELD[6:]])
     assert read(law)[0] == pytest.approx(0.54 + 10.0 * (0.25 + 0.08), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("kind", "elapsed", "expected"),
+    [
+        (SINE, -1e-9, 0.0), (SINE, 0.0, 2.0), (SINE, 50.0, 2.0), (CHIRP, -1e-9, 0.0),
+        (CHIRP, 0.0, 2.0), (CHIRP, 5.0, 6.0), (STEP, 1.0, 0.0), (NONE, 1.0, 0.0),
+    ],
+)  # fmt: skip
+def test_present_frequency(kind: int, elapsed: float, expected: float) -> None:
+    law = drive(kind, waveform_frequency=2.0, waveform_end_frequency=10.0)
+    assert law.present_frequency(elapsed) == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("kind", "time", "duration", "changed", "expected"),
+    [
+        (STEP, 0.0, 0.1, {"waveform_start_time": 0.05}, "waveform.start_time"),
+        (STEP, 0.0, 0.1, {"waveform_start_time": 0.1}, ""),
+        (STEP, 0.05, 0.1, {"waveform_start_time": 0.05}, ""),
+        (STEP, 0.1, 0.1, {"waveform_start_time": 0.05}, ""),
+        (STEP, 0.0, 0.04, {"waveform_start_time": 0.05}, ""),
+        (SINE, 0.0, 0.1, {"waveform_start_time": 0.05}, ""),
+        (SINE, 0.0, 0.5, {}, ""),
+        (SINE, 0.0, 0.51, {}, "the waveform's frequency, 1 Hz"),
+        (SINE, 0.0, 0.1, {"sample_period": 0.5}, ""),
+        (SINE, 0.0, 0.1, {"sample_period": 0.6}, "the waveform's frequency, 1 Hz"),
+        (SINE, 0.0, 0.6, {"waveform_start_time": 1.0}, ""),
+        (SINE, 1.0, 0.6, {"waveform_start_time": 1.0}, "the waveform's frequency, 1 Hz"),
+        (SINE, 0.0, 0.1, {"waveform_frequency": -6.0}, "the waveform's frequency, 6 Hz"),
+        (CHIRP, 9.0, 0.1, {}, "the waveform's frequency, 9.1 Hz"),
+        (CHIRP, 4.0, 0.1, {}, ""),
+        (SINE, 0.0, 0.1, {"sample_period": 0.15}, ""),
+        (SINE, 0.1, 0.1, {"sample_period": 0.15}, "sample.period"),
+        (SINE, 0.15, 0.1, {"sample_period": 0.15}, ""),
+        (SINE, 0.05, 0.1, {"sample_period": 0.15}, ""),
+        (NONE, 0.1, 0.1, {"sample_period": 0.15}, ""),
+        (NONE, 0.1, 0.1, {"sample_period": 0.15, "feedback_slider_u": 1.0}, "sample.period"),
+    ],
+)  # fmt: skip
+def test_what_comes_late_is_told(
+    kind: int, time: float, duration: float, changed: dict[str, float], expected: str
+) -> None:
+    said = drive(kind, **changed).late(time, duration)
+    assert said.startswith(expected)
+    assert bool(said) == bool(expected)
+
+
+def test_steps_that_fit_are_told() -> None:
+    law = drive(SINE, sample_period=0.15)
+    assert "has its sample at 0.15 s within a communication step, 0.1 s from 0.1 s" in law.late(
+        0.1, 0.1
+    )
+    assert "communication steps of 0.075 s would" in law.late(0.1, 0.1)
+    law = drive(SINE, waveform_frequency=10.0)
+    assert "is held, 0.1 s each" not in law.late(0.0, 0.05)
+    assert "0.1 s each" in law.late(0.0, 0.1)

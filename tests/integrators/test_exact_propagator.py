@@ -159,3 +159,13 @@ def test_growth_beyond_the_finite_numbers_is_reported() -> None:
     except OverflowError:
         outcome = NOT_FINITE
     assert outcome == NOT_FINITE
+
+
+def test_matrices_differ_where_any_element_does() -> None:
+    size = exact.N * exact.N
+    same = [float(i) for i in range(size)]
+    assert not exact.differs(same, list(same))
+    for i in range(size):
+        other = list(same)
+        other[i] += 1.0
+        assert exact.differs(same, other)

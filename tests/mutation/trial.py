@@ -118,13 +118,15 @@ class Trial:
 
     def _run(self, tests: list[str], mutant: Mutant, codes: dict[CodeType, CodeType] | None):
         limit = 60.0 + 5.0 * sum(self.contexts.seconds[t] for t in tests)
-        built = mutant.file.startswith(BUILT) and mutant.file.endswith(".py")
+        built = mutant.file.startswith(BUILT)
+        # a kernel need not be compiled for a run of seconds; a binary calls what is compiled
+        plain = built and mutant.file.endswith(".py")
         scratch = Path(tempfile.mkdtemp(prefix="curvebound-trial-"))
         log = scratch / "log.txt"
         try:
             child = os.fork()
             if child == 0:
-                self._child(tests, codes, built, scratch, log)
+                self._child(tests, codes, built, plain, scratch, log)
             status = _waited(child, limit)
             said = log.read_text(encoding="utf-8", errors="replace") if log.is_file() else ""
         finally:
@@ -139,7 +141,7 @@ class Trial:
             print(said[-1500:], flush=True)
         return KILLED, failed[0] if failed and failed[0] in self.items else ""
 
-    def _child(self, tests, codes, built, scratch, log) -> NoReturn:
+    def _child(self, tests, codes, built, plain, scratch, log) -> NoReturn:
         status = 1
         try:
             os.setsid()
@@ -150,13 +152,13 @@ class Trial:
             if codes is None:
                 listed = scratch / "tests.txt"
                 listed.write_text("".join(f"{t}\n" for t in tests), encoding="utf-8")
-                plugin = ["-p", "interpreting"] if built else []
+                plugin = ["-p", "interpreting"] if plain else []
                 command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "-p",
                            "no:cacheprovider", "-p", "no:xdist", *plugin, "-m", "",
                            "--timeout=60", f"--basetemp={scratch / 'base'}",
                            f"@{listed}"]  # fmt: skip
                 os.execv(sys.executable, command)
-            status = self._test(tests, codes, built, scratch)
+            status = self._test(tests, codes, built, plain, scratch)
             sys.stdout.flush()
         except BaseException:
             import traceback
@@ -166,8 +168,8 @@ class Trial:
         finally:
             os._exit(status)
 
-    def _test(self, tests, codes, built, scratch: Path) -> int:
-        if built:
+    def _test(self, tests, codes, built, plain, scratch: Path) -> int:
+        if plain:
             from interpreting import pytest_configure
 
             pytest_configure()
