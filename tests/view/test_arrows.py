@@ -18,8 +18,9 @@ from curvebound.fmi.folder import find, shipped_drawings
 from curvebound.view import write_picture, write_replay
 from curvebound.view.actors import find_actors
 from curvebound.view.arrows import kinds_of, vectors_of, wanted
+from curvebound.view.quivers import Quivers, strip_for
 from curvebound.view.reading import opened, with_inputs
-from curvebound.view.stage import colour_of
+from curvebound.view.stage import Cast, Stage, colour_of, figure
 
 SIZES = [(1280, 900, False), (390, 844, True)]
 #: the shafts of the first kind of arrow at time t: begin, end, colour; the camera and the height
@@ -37,7 +38,7 @@ SHAFTS = """((t) => {
   });
   try { scene.draw(t); } finally { scene.context = real; }
   const { actors } = curvebound.colours;
-  return [lines.filter(([, , colour]) => colour === actors[6]), scene.drawn, scene.height];
+  return [lines.filter(([, , colour]) => colour === actors[6]), scene.drawn, scene.full];
 })"""
 
 
@@ -170,7 +171,7 @@ def test_keys_draw_arrows_to_scale(tab: Tab, page: Path) -> None:
     length = scale * math.hypot(vx, vy)
     assert np.hypot(*along) == pytest.approx(length - min(9, 0.6 * length), abs=0.5)
     assert key[0][0] == 12
-    assert key[0][1] > height - 40
+    assert key[0][1] > tab.run("curvebound.scene.height") > height - 40
     assert tab.run("document.getElementById('spoken').textContent") == "arrows: velocity"
 
 
@@ -221,3 +222,61 @@ def test_pictures_show_what_is_asked_for(tmp_path: Path) -> None:
     for number, there in ((6, True), (5, True), (4, False)):  # the last is gravity
         colour = [int(colour_of(number)[i : i + 2], 16) for i in (1, 3, 5)]
         assert ((np.abs(picture - colour).max(axis=2) < 8).sum() > 25) == there
+
+
+#: the texts of a drawing, and where its legend is
+STRIP = """(() => { const { scene } = curvebound, c = scene.context, ratio = scene.ratio;
+  const texts = [], fill = c.fillText.bind(c);
+  c.fillText = (text, x, y) => {
+    texts.push([text, x, y, c.measureText(text).width]);
+    fill(text, x, y);
+  };
+  scene.draw(scene.drawn.time); delete c.fillText;
+  return { texts, top: scene.height, full: scene.full, width: scene.width }; })()"""
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_the_legend_has_a_strip_of_its_own(
+    tab: Tab, page: Path, size: tuple[int, int, bool]
+) -> None:
+    """Zoomed in, curves and rods cross the whole drawing, but not what tells the arrows."""
+    width, height, mobile = size
+    tab.size(width, height, mobile=mobile, ratio=2 if mobile else 1)
+    tab.open(page)
+    fitted = tab.run("curvebound.scene.drawn.scale")
+    tab.run("curvebound.scene.arrows.shown = new Set(curvebound.arrows.kinds)")
+    told = tab.run(STRIP)
+    assert 0.6 * fitted < tab.run("curvebound.scene.drawn.scale") < fitted, "it makes room"
+    keys = [one for one in told["texts"] if one[2] > told["top"]]
+    assert len(keys) == len(tab.run("curvebound.arrows.kinds"))
+    assert all(x >= 0 and x + wide <= told["width"] for _, x, _, wide in keys)
+    assert all(told["top"] + 8 < y < told["full"] for *_, y, _ in keys)
+    strip = (
+        "(() => { const { scene } = curvebound, { ratio } = scene; scene.draw(scene.drawn.time);"
+        "return [...scene.context.getImageData(0, Math.ceil((scene.height + 1) * ratio),"
+        "scene.canvas.width, Math.floor((scene.full - scene.height - 1) * ratio)).data]; })()"
+    )
+    before = np.array(tab.run(strip))
+    for _ in range(3):
+        tab.run("curvebound.scene.zoomBy(2)")
+        assert np.abs(np.array(tab.run(strip)) - before).max() <= 2
+
+
+@pytest.mark.parametrize("film", [False, True])
+def test_the_legend_of_a_picture_stands_below_its_axes(film: bool) -> None:
+    pytest.importorskip("matplotlib")
+    from matplotlib.quiver import QuiverKey
+
+    cast = Cast([("bead", BEAD)])
+    drawn = figure(4.2, 4.2, 100)
+    axes = drawn.add_axes((0.02, 0.02, 0.96, 0.96) if film else (0.1, 0.1, 0.85, 0.8))
+    stage = Stage(axes, [one.actor for one in cast.actors], strip_for(cast, "all"))
+    axes.tick_params(labelbottom=not film)
+    Quivers(stage, cast, "all").move(1.0)
+    drawn.canvas.draw()
+    keys = [one for one in axes.get_children() if isinstance(one, QuiverKey)]
+    boxes = [one.text.get_window_extent() for one in keys]
+    assert len(boxes) == 2
+    ticks = [] if film else [one.get_window_extent().y0 for one in axes.get_xticklabels()]
+    assert max(box.y1 for box in boxes) < min([axes.get_window_extent().y0, *ticks])
+    assert min(box.y0 for box in boxes) >= 0

@@ -17,7 +17,7 @@ from ..errors import CurveboundError, OutsideError
 from ..files import write_whole
 from ..fmi.drawing import Drawing
 from .actors import Actor
-from .quivers import Quivers
+from .quivers import Quivers, strip_for
 from .reading import Results
 from .stage import INK, Cast, Stage, figure, pixels
 
@@ -143,7 +143,7 @@ def _drawn(cast: Cast, movie: Movie, *, clear: bool = False) -> Iterator[Any]:
     inches = movie.size / _DPI
     drawn = figure(inches, inches, _DPI)
     axes = drawn.add_axes((0.02, 0.02, 0.96, 0.96))
-    stage = Stage(axes, [one.actor for one in cast.actors])
+    stage = Stage(axes, [one.actor for one in cast.actors], strip_for(cast, movie.arrows))
     axes.tick_params(labelbottom=False, labelleft=False, length=0)
     stage.legend(cast)
     if clear:

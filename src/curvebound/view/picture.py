@@ -15,7 +15,7 @@ from ..fmi.drawing import FRAME, Drawing, Plot
 from .actors import Actor, Floats, split_name
 from .geometry import distances
 from .quantities import plots_of, quantity
-from .quivers import Quivers
+from .quivers import Quivers, strip_for
 from .reading import Results
 from .stage import INK, Cast, Stage, as_floats, colour_of, figure, save_small
 
@@ -94,7 +94,7 @@ def _stacked(actors: bool, plots: int, titled: bool) -> tuple[Any, Any]:
 
 
 def _strobe(axes: Any, cast: Cast, arrows: str) -> None:
-    stage = Stage(axes, [one.actor for one in cast.actors])
+    stage = Stage(axes, [one.actor for one in cast.actors], strip_for(cast, arrows))
     first = cast.actors[0]
     start, end = float(first.time[0]), float(first.time[-1])
     until = min(start + _swing(first.time, first.actor), end)

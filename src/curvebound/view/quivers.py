@@ -9,11 +9,24 @@ import numpy as np
 from .arrows import Kind, Vector, kinds_of, vectors_of, wanted
 from .stage import INK, Cast, Role, Stage, colour_of
 
-__all__ = ["Quivers"]
+__all__ = ["Quivers", "strip_for"]
 
 _REACH = 0.22  # of the smaller side of the axes, for the greatest
 _CUT = 2.0  # times that: what is longer is cut there, and says so
 _COLOURS = (6, 7, 4, 5, 3, 2, 1, 0)  # those that bodies take last
+_LINE = 0.15  # inches, of the legend
+_TICKS = 0.18  # inches, of the ticks' labels
+
+
+def strip_for(cast: Cast, asked: str) -> float:
+    """The inches that the legend takes below the axes, for the Stage; raises as Quivers does."""
+    return _LINE * len(_chosen(cast, asked)[1])
+
+
+def _chosen(cast: Cast, asked: str) -> tuple[list[Kind], list[Kind]]:
+    """All kinds, and those that are asked for."""
+    kinds = kinds_of((one.label, one.actor, one.data) for one in cast.actors)
+    return kinds, wanted(asked, kinds) if asked else []
 
 
 class Quivers:
@@ -24,8 +37,7 @@ class Quivers:
 
     def __init__(self, stage: Stage, cast: Cast, asked: str) -> None:
         self._stage = stage
-        kinds = kinds_of((one.label, one.actor, one.data) for one in cast.actors)
-        chosen = wanted(asked, kinds) if asked else []
+        kinds, chosen = _chosen(cast, asked)
         (left, right), (low, high) = stage.axes.get_xlim(), stage.axes.get_ylim()
         self._reach = _REACH * min(right - left, high - low)
         self._moving: list[tuple[Role, Vector, float, Any, Any]] = []
@@ -40,7 +52,7 @@ class Quivers:
                 key = (kind.name, kind.unit)
                 own = [one for one in vectors if (one[1].arrow.name, one[1].arrow.unit) == key]
                 self._add(own, self._reach / greatest, colour_of(_COLOURS[number % 8]))
-        self._legend(chosen)
+        self._legend()
 
     def _add(self, vectors: list[tuple[Role, Vector]], scale: float, colour: str) -> None:
         """The arrows of one kind; scale: metres for one of its unit."""
@@ -75,24 +87,28 @@ class Quivers:
             more = f" \N{MULTIPLICATION SIGN}{length / longest:.2g}" if length > longest else ""
             letter.set_text(vector.arrow.symbol + more)
 
-    def _legend(self, chosen: list[Kind]) -> None:
-        """A key of each kind: an arrow of a round number, what it is and how much."""
+    def _legend(self) -> None:
+        """A key of each kind: an arrow of a round number, what it is and how much.
+
+        They stand in the stage's strip, below the ticks, so that they cover nothing.
+        """
         seen: set[tuple[str, str]] = set()
         axes = self._stage.axes
+        box, dpi = axes.get_window_extent(), axes.figure.dpi
+        metre = box.width / dpi / np.ptp(axes.get_xlim())  # inches
+        ticks = _TICKS if axes.xaxis.get_tick_params()["labelbottom"] else 0.0
+        left, top = box.x0 / dpi + 0.05, box.y0 / dpi - ticks
         for _, vector, scale, quiver, _ in self._moving:
             key = (vector.arrow.name, vector.arrow.unit)
             if key in seen:
                 continue
             value = _round(0.3 * self._reach / scale)
             words = f"{vector.arrow.symbol} {vector.arrow.name}, {value:g} {vector.arrow.unit}"
-            left, right = axes.get_xlim()
-            length = value * scale / (right - left)
-            made = axes.quiverkey(
-                quiver, 0.02 + length, 0.04 + 0.05 * (len(chosen) - 1 - len(seen)), value * scale,
-                words, labelpos="E", labelcolor=INK, fontproperties={"size": 7.5}, zorder=6,
+            axes.quiverkey(
+                quiver, left + value * scale * metre, top - (len(seen) + 0.5) * _LINE,
+                value * scale, words, coordinates="inches", labelpos="E", labelcolor=INK,
+                fontproperties={"size": 7.5}, zorder=6,
             )  # fmt: skip
-            paper = {"facecolor": axes.get_facecolor(), "edgecolor": "none", "pad": 1.0}
-            made.text.set_bbox(paper)
             seen.add(key)
 
 

@@ -189,9 +189,13 @@ class Cast:
 class Stage:
     """Axes to scale that show actors, from their frame where that travels far."""
 
-    def __init__(self, axes: Any, actors: list[Actor]) -> None:
+    def __init__(self, axes: Any, actors: list[Actor], strip: float = 0.0) -> None:
         self.axes = axes
         self.actors = actors
+        # Room for a legend, in inches, between where the axes ended below and where they end now.
+        left, bottom, width, height = axes.get_position().bounds
+        raised = strip / axes.figure.get_figheight()
+        axes.set_position((left, bottom + raised, width, height - raised))
         self.relative = follows_frame(actors)
         left, bottom, right, top = view_of(actors)["frame" if self.relative else "world"]
         # To scale, and the whole of the axes used: the limits give way, not the box.

@@ -3,6 +3,7 @@
 
 const ARROW_REACH = 0.22;  // of the smaller side of the canvas, for the greatest
 const ARROW_CUT = 2;       // times that: what is longer is cut there, and dashed
+const ARROW_KEY = { left: 12, gap: 8, apart: 18, line: 18 };  // pixels
 const ARROW_COLOURS = [6, 7, 4, 5, 3, 2, 1, 0];  // those that bodies take last
 
 class Arrows {
@@ -46,7 +47,7 @@ class Arrows {
 
   // Pixels for one of each unit.
   scales(scene) {
-    const reach = ARROW_REACH * Math.min(scene.width, scene.height), scales = new Map();
+    const reach = ARROW_REACH * Math.min(scene.width, scene.full), scales = new Map();
     for (const { unit } of this.shown) {
       const sizes = [...this.shown].filter((kind) => kind.unit === unit).map(({ size }) => size);
       scales.set(unit, reach / (Math.max(...sizes) || 1));
@@ -57,7 +58,7 @@ class Arrows {
   draw(scene, camera, placed, t, colours) {
     if (!this.shown.size) return;
     const c = scene.context, scales = this.scales(scene);
-    const longest = ARROW_CUT * ARROW_REACH * Math.min(scene.width, scene.height);
+    const longest = ARROW_CUT * ARROW_REACH * Math.min(scene.width, scene.full);
     for (const actor of scene.actors) {
       const at = placed[actor.number];
       if (scene.hidden.has(actor.number) || at.outside) continue;
@@ -74,31 +75,38 @@ class Arrows {
         letter(c, text, begin[0] + along[0] * (drawn + 9), begin[1] + along[1] * (drawn + 9), colours);
       }
     }
-    this.legend(scene, scales, colours);
   }
 
-  // An arrow of a round number of each kind, with its name, at the lower left.
-  legend(scene, scales, colours) {
-    const c = scene.context, shown = this.kinds.filter((kind) => this.shown.has(kind)), line = 18;
-    const rows = shown.map((kind) => {
-      const value = ruleOf({ scale: scales.get(kind.unit) }, 24);
-      return { kind, pixels: value * scales.get(kind.unit), text: `${kind.symbol} ${kind.name}, ${withUnit(tickText(value), kind.unit)}` };
-    });
+  // An arrow of a round number of each kind, with its name, in lines for a strip below the drawing.
+  keys(scene) {
+    if (!this.shown.size) return { rows: [], height: 0 };
+    const c = scene.context, scales = this.scales(scene), rows = [];
+    let x = ARROW_KEY.left, line = 0;
+    c.font = scene.colours().font;
+    for (const kind of this.kinds.filter((one) => this.shown.has(one))) {
+      const value = ruleOf({ scale: scales.get(kind.unit) }, 24), pixels = value * scales.get(kind.unit);
+      const text = `${kind.symbol} ${kind.name}, ${withUnit(tickText(value), kind.unit)}`;
+      const width = pixels + ARROW_KEY.gap + c.measureText(text).width;
+      if (x > ARROW_KEY.left && x + width > scene.width - ARROW_KEY.left) [x, line] = [ARROW_KEY.left, line + 1];
+      rows.push({ kind, pixels, text, x, line });
+      x += width + ARROW_KEY.apart;
+    }
+    return { rows, height: ARROW_KEY.line * (line + 1) + 8 };
+  }
+
+  legend(scene, { rows }, colours) {
+    if (!rows.length) return;
+    const c = scene.context;
+    c.fillStyle = colours.grid;
+    c.fillRect(0, scene.height, scene.width, 1);
     c.font = colours.font;
-    const from = 12 + Math.max(...rows.map(({ pixels }) => pixels)) + 10;
-    const width = from + Math.max(...rows.map(({ text }) => c.measureText(text).width)) + 8;
-    const top = scene.height - 10 - line * rows.length;
-    c.globalAlpha = 0.85;
-    c.fillStyle = colours.paper;
-    c.fillRect(4, top - 4, width, line * rows.length + 8);
-    c.globalAlpha = 1;
     c.textAlign = "left";
-    rows.forEach(({ kind, pixels, text }, k) => {
-      const y = top + line * (k + 0.5);
-      shaft(c, [12, y], [1, 0], pixels, { colour: colours.actors[kind.colour], paper: colours.paper, cut: false });
+    for (const { kind, pixels, text, x, line } of rows) {
+      const y = scene.height + 4 + ARROW_KEY.line * (line + 0.5);
+      shaft(c, [x, y], [1, 0], pixels, { colour: colours.actors[kind.colour], paper: colours.paper, cut: false });
       c.fillStyle = colours.ink;
-      c.fillText(text, from, y + 4);
-    });
+      c.fillText(text, x + pixels + ARROW_KEY.gap, y + 4);
+    }
   }
 }
 

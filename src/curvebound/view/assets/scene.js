@@ -27,6 +27,7 @@ class Scene {
     this.zoom = 1;
     this.panX = 0;
     this.panY = 0;
+    this.strip = 0;  // px at the bottom, for the legend of arrows
     this.resize();
   }
 
@@ -35,8 +36,9 @@ class Scene {
     const box = this.canvas.getBoundingClientRect();
     this.ratio = Math.min(window.devicePixelRatio || 1, 3);
     this.width = Math.max(box.width, 1);
-    this.height = Math.max(box.height, 1);
-    const width = Math.round(this.width * this.ratio), height = Math.round(this.height * this.ratio);
+    this.full = Math.max(box.height, 1);
+    this.height = this.full - this.strip;
+    const width = Math.round(this.width * this.ratio), height = Math.round(this.full * this.ratio);
     if (width === this.canvas.width && height === this.canvas.height) return false;
     this.canvas.width = width;
     this.canvas.height = height;
@@ -108,13 +110,20 @@ class Scene {
   draw(t) {
     const c = this.context, colours = this.colours();
     const placed = this.actors.map((actor) => this.place(actor, t));
+    const keys = this.arrows.keys(this);
+    this.strip = Math.min(keys.height, this.full - 20);
+    this.height = this.full - this.strip;
     const camera = this.camera(placed[0].point("frame"));
     this.drawn = { ...camera, ratio: this.ratio, time: t };
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     c.globalAlpha = 1;
     c.fillStyle = colours.paper;
-    c.fillRect(0, 0, this.width, this.height);
+    c.fillRect(0, 0, this.width, this.full);
     c.lineCap = c.lineJoin = "round";
+    c.save();
+    c.beginPath();
+    c.rect(0, 0, this.width, this.height);
+    c.clip();
     drawGrid(c, this, camera, colours);
     const seen = this.actors.filter(({ number }) => !this.hidden.has(number));
     for (const actor of seen) this.curves(camera, actor, placed[actor.number], placed[0], colours);
@@ -129,6 +138,8 @@ class Scene {
       c.textAlign = "left";
       c.fillText(`no position at this time: ${blank.join(", ")}`, 12, 22);
     }
+    c.restore();
+    this.arrows.legend(this, keys, colours);
     return placed;
   }
 
