@@ -3,7 +3,7 @@
     python tests/benchmarks                   everything, one after the other (hours)
     python tests/benchmarks GROUP [...]       one group; GROUP --help shows its arguments
 
-groups: cost, start, building, pythons, macro, holds, sweep, tune, facts, long, maps, live
+groups: cost, kernels, start, building, pythons, macro, holds, sweep, tune, facts, long, maps, live
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from benchmarks import (
     cost,
     facts,
     holds,
+    kernels,
     live,
     long_runs_command,
     macro_step,
@@ -34,6 +35,7 @@ from curvebound.errors import CurveboundError
 
 GROUPS = {
     "cost": (cost, "kernel and FMUs beside hand-written C, scipy, heyoka and MuJoCo"),
+    "kernels": (kernels, "the compiled kernel of another commit: same bits, and the cost"),
     "start": (start, "CPU time of the command line's start"),
     "building": (building, "CPU time of building: all FMUs, one kernel, again"),
     "pythons": (pythons, "one FMU file under each CPython, in fmpy and in a C host"),

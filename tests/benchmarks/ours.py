@@ -15,6 +15,7 @@ __all__ = [
     "Kernel",
     "Loaded",
     "compiled_kernel",
+    "defaults",
     "interpreted_kernel",
     "leap_of_kernel",
     "method_items",

@@ -26,11 +26,12 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final
 
-__all__ = ["Shape", "power", "root", "scaled", "sine", "sum_of_areas", "total", "whole"]
+__all__ = ["Shape", "power", "root", "scaled", "sine", "sum_of_areas", "total", "whole", "wound"]
 
 SIZE: Final = 3
 FACTOR: Final = 2.5
 Row = Annotated[list[float], SIZE]
+SHARES: Final[list[float]] = [0.5, 0.25, 0.125]
 
 
 class Shape:
@@ -100,6 +101,34 @@ def total(x: float) -> float:
     for i in range(SIZE):
         result += row[i]
     return result
+
+
+def wind(x: float, row: Row, start: int, bends: bool) -> None:
+    """Set the elements from `start` on."""
+    for i in range(start, SIZE):
+        row[i] = share(row, i - SIZE, x) + row[0]
+        if bends:
+            row[i] -= 1.0
+
+
+def share(row: Row, first: int, x: float) -> float:
+    """A share of the row, in a circle, and of x."""
+    return SHARES[2 - first % SIZE] * row[first] + SHARES[1] * row[first + 1] / x
+
+
+def three(x: float) -> tuple[float, float, float]:
+    return x, 3.0 * x, x * x
+
+
+def wound(x: float) -> float:
+    row: Row = [0.0] * SIZE
+    row[0:3] = three(x)
+    wind(x, row, 1, x > 2.0)
+    return added(*row) + share(row, 0, 2.0 * x)
+
+
+def added(x: float, y: float, z: float) -> float:
+    return x + y - z
 '''
 
 SYSTEM = """
@@ -124,7 +153,7 @@ def square() -> Shape:
 """
 
 VISIBLE = {
-    "": ("power", "root", "scaled", "sine", "sum_of_areas", "total", "whole"),
+    "": ("power", "root", "scaled", "sine", "sum_of_areas", "total", "whole", "wound"),
     "Shape": ("side", "bends", "count", "measure", "divide"),
 }
 
@@ -142,7 +171,10 @@ def forms(tmp_path_factory) -> Iterator[list[tuple[ModuleType, ModuleType]]]:
     try:
         names = ("package_of_test.core_of_test", "package_of_test.system_of_test")
         repeated = {names[0]: ["add_areas"]}
-        core = translate("compiled_core_of_test", {names[0]: CORE}, None, VISIBLE, repeated)
+        written_out = {names[0]: ["wind", "share"]}
+        core = translate(
+            "compiled_core_of_test", {names[0]: CORE}, None, VISIBLE, repeated, written_out
+        )
         system = translate("compiled_system_of_test", {names[1]: SYSTEM}, core)
         for unit in (core, system):
             compile_c(write_c(unit, folder, core), HERE)
@@ -215,6 +247,32 @@ def test_what_cannot_be_translated_is_said(tmp_path, monkeypatch) -> None:
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(CurveboundError, match=r"decorated_of_test, line \d+: x: no decorators"):
         translate("compiled_of_test", {"decorated_of_test": text})
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("fill(row, x)", "the bounds of a loop .* have to be known"),
+        ("fill(row, 2)\n    other(row)", "f: the array row is used as a whole"),
+        ("y = 2.0 * twice(2.0 * x)", "twice .* uses x more than once: pass it a name"),
+        ("y = fill(row, 2)", "fill is more than one return"),
+    ],
+)
+def test_what_cannot_be_written_out_is_said(tmp_path, monkeypatch, body: str, message: str) -> None:
+    text = (
+        "from typing import Annotated\nRow = Annotated[list[float], 2]\n\n\n"
+        f"def f(x: int) -> None:\n    row: Row = [0.0] * 2\n    {body}\n\n\n"
+        "def other(row: Row) -> None:\n    row[0] = 1.0\n\n\n"
+        "def twice(x: float) -> float:\n    'Of x.'\n    return x + x\n\n\n"
+        "def fill(row: Row, count: int) -> None:\n    'Fill.'\n"
+        "    for i in range(count):\n        row[i] = 1.0\n"
+    )
+    (tmp_path / "written_out_of_test.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "written_out_of_test", raising=False)
+    written_out = {"written_out_of_test": ["fill", "twice"]}
+    with pytest.raises(CurveboundError, match=message):
+        translate("compiled_of_test", {"written_out_of_test": text}, None, None, None, written_out)
 
 
 def test_a_variable_that_lacks_its_type_is_named(tmp_path, monkeypatch) -> None:

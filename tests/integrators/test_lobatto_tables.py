@@ -12,19 +12,11 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from curvebound.kernel import lobatto, polynomial
+from curvebound.kernel import lobatto, lobatto_tables, polynomial
 
-NODES = np.array([0.0, *(getattr(polynomial, f"C{i}") for i in range(1, 7)), 1.0])
-
-
-def table(letter: str) -> np.ndarray:
-    rows = [[0.0] * 8]
-    rows += [[getattr(lobatto, f"{letter}{i}{j}", 0.0) for j in range(8)] for i in range(1, 8)]
-    return np.array(rows)
-
-
-A = table("A")
-R = table("R")
+NODES = np.array(lobatto_tables.NODES)
+A = np.reshape(lobatto_tables.BY_ROWS, (8, 8))
+R = np.reshape(lobatto_tables.SQUARE, (8, 8))
 B = A[7]
 
 
@@ -75,33 +67,33 @@ def test_extrapolation_is_exact_for_degree_7() -> None:
     for ratio in (0.1, 0.7, 1.0, 1.5):
         c = [rng.uniform(-1, 1) for _ in range(8)]
         old = np.polyval(c, NODES)
-        new = polynomial.extrapolated(*old.tolist(), float(old[7]), 2 * ratio)
+        new = polynomial.extrapolated(old.tolist(), float(old[7]), 2 * ratio)
         truth = np.polyval(c, 1 + ratio * NODES[1:])
         assert np.array(new) == pytest.approx(truth, rel=1e-9)
-        shifted = polynomial.extrapolated(*old.tolist(), float(old[7]) + 3.0, 2 * ratio)
+        shifted = polynomial.extrapolated(old.tolist(), float(old[7]) + 3.0, 2 * ratio)
         assert np.array(shifted) == pytest.approx(truth + 3, rel=1e-9)
 
 
 def test_tail_sees_the_two_highest_legendre_coefficients() -> None:
     smooth = legendre.legval(2 * NODES - 1, [5.0, 100.0, 10.0])
-    spread = polynomial.tail(*smooth.tolist(), 0.0)
+    spread = polynomial.tail(0.0, *smooth.tolist())
     assert spread == pytest.approx(0.0, abs=1e-25)
     for degree, weight in ((7, polynomial.HIGHEST), (6, polynomial.NEXT), (5, 0.0), (3, 0.0)):
         small = legendre.legval(2 * NODES - 1, [0.0] * degree + [1e-4])
-        size = polynomial.tail(*(smooth + small).tolist(), 0.0)
+        size = polynomial.tail(0.0, *(smooth + small).tolist())
         # the values spread over 100 (2 + 2 * 0.59 ...) plus 10 (...)
         assert size * 300 == pytest.approx(weight * 1e-8, rel=0.5, abs=1e-20)
 
 
 def test_tail_is_proportional_and_at_most_of_the_size_of_what_is_not_smooth() -> None:
     values = np.sin(3 * NODES)
-    size = polynomial.tail(*values.tolist(), 0.0)
+    size = polynomial.tail(0.0, *values.tolist())
     assert 0.0 < size < 1e-6
-    assert polynomial.tail(*(1e-9 * values).tolist(), 0.0) == pytest.approx(1e-9 * size, rel=1e-6)
-    jump = polynomial.tail(*(NODES > 0.5).astype(float).tolist(), 0.0)
+    assert polynomial.tail(0.0, *(1e-9 * values).tolist()) == pytest.approx(1e-9 * size, rel=1e-6)
+    jump = polynomial.tail(0.0, *(NODES > 0.5).astype(float).tolist())
     assert 1e-2 < jump < 1.0
-    assert polynomial.tail(*[7.0] * 8, 0.0) < 1e-16
-    assert polynomial.tail(*[0.0] * 8, 0.0) == 0.0
+    assert polynomial.tail(0.0, *[7.0] * 8) < 1e-16
+    assert polynomial.tail(0.0, *[0.0] * 8) == 0.0
 
 
 def test_tail_exceeds_the_error_of_the_quadrature() -> None:
@@ -109,11 +101,12 @@ def test_tail_exceeds_the_error_of_the_quadrature() -> None:
         for phase in (0.0, 0.5, 1.0):
             k = np.sin(w * NODES + phase)
             truth = (np.cos(phase) - np.cos(w + phase)) / w
-            assert abs(B @ k - truth) < polynomial.tail(*k.tolist(), 0.0) + 1e-16
+            assert abs(B @ k - truth) < polynomial.tail(0.0, *k.tolist()) + 1e-16
 
 
 def test_end_of_the_step() -> None:
     k = np.polyval([1.0, 2.0, 3.0], NODES)
-    q, v = lobatto.end(0.5, -1.0, 0.2, *k.tolist())
-    assert v == pytest.approx(-1 + 0.2 * (1 / 3 + 2 / 2 + 3), abs=1e-15)
-    assert q == pytest.approx(0.5 - 0.2 + 0.04 * (1 / 12 + 2 / 6 + 3 / 2), abs=1e-15)
+    x, w = [0.5] + 7 * [0.0], [-1.0] + 7 * [0.0]
+    lobatto.follow(0.2, k.tolist(), x, w, 7, 8)
+    assert w[7] == pytest.approx(-1 + 0.2 * (1 / 3 + 2 / 2 + 3), abs=1e-15)
+    assert x[7] == pytest.approx(0.5 - 0.2 + 0.04 * (1 / 12 + 2 / 6 + 3 / 2), abs=1e-15)

@@ -18,6 +18,7 @@ from collections.abc import Collection, Mapping
 from .modules import Module, Unit, read
 from .repeated import Calls, as_method
 from .writer import Writer
+from .written_out import write_out
 
 __all__ = ["translate"]
 
@@ -28,6 +29,7 @@ def translate(
     core: Unit | None = None,
     visible: Mapping[str, Collection[str]] | None = None,
     repeated: Mapping[str, Collection[str]] | None = None,
+    written_out: Mapping[str, Collection[str]] | None = None,
 ) -> Unit:
     """Translate modules (dotted name -> text; they can be imported) into one extension module.
 
@@ -35,6 +37,7 @@ def translate(
     there is a `core`, the functions in the modules' `__all__` instead.
     repeated: module -> functions that use nothing but their arguments, the first of them an object
     of a class: each class that another unit derives from it gets a copy of its own.
+    written_out: module -> functions that are put in the place of their calls, see write_out().
     The modules may import each other and those of `core`. Raises CurveboundError, with module and
     line, for what cannot be translated.
     """
@@ -42,6 +45,8 @@ def translate(
     unit.visible = frozenset().union(*(visible or {}).values())
     for module, functions in (repeated or {}).items():
         _repeat(unit, unit.modules[module], functions)
+    for module, functions in (written_out or {}).items():
+        write_out(unit, module, functions)
     Writer(unit, core, visible or {}).write()
     return unit
 

@@ -57,7 +57,7 @@ class Writer:
             self.module = module
             for node in module.tree.body:
                 self.statement(node)
-        head = [f"# cython: {_DIRECTIVES}", "from libc.string cimport memset"]
+        head = [f"# cython: {_DIRECTIVES}", "cimport cython", "from libc.string cimport memset"]
         head += dict.fromkeys(self.imports)
         if self.cimported:
             assert self.core is not None
@@ -65,7 +65,7 @@ class Writer:
             head.append(f"from {self.core.name} cimport {names}")
         functions = definitions(self.used)
         self.unit.pyx = "\n".join([*head, "import math", functions, *self.body, ""])
-        self.unit.pxd = "\n".join([*self.declared, ""])
+        self.unit.pxd = "\n".join(["cimport cython", *self.declared, ""])
 
     def find_c_functions(self) -> None:
         """Note the functions and methods of the present module that become C functions."""
@@ -189,8 +189,9 @@ class Writer:
 
     def class_(self, node: ast.ClassDef) -> None:
         name = self.module.renamed[node.name]
-        if len(node.bases) > 1 or node.decorator_list:
-            raise self.error(node, f"{node.name}: a class has one base and no decorators here")
+        decorators = [ast.unparse(decorator) for decorator in node.decorator_list]
+        if len(node.bases) > 1 or decorators not in ([], ["final"]):
+            raise self.error(node, f"{node.name}: one base, no decorators but final of typing here")
         base = self.rewriter().text(node.bases[0]) if node.bases else ""
         inherited = self.attributes(base)
         self.unit.bases[name] = base
@@ -205,6 +206,8 @@ class Writer:
                 if attribute not in inherited:
                     own.setdefault(attribute, kind)
         header = f"cdef class {name}({base}):" if base else f"cdef class {name}:"
+        if decorators:  # its methods are called directly
+            header = f"@cython.final\n{header}"
         declarations = ["    pass"] if not own else []
         for attribute, kind in own.items():
             public = "public " if attribute in self.visible.get(name, ()) else ""

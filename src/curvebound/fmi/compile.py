@@ -18,7 +18,15 @@ from ..compiling.translate import translate
 from ..errors import CurveboundError
 from ..places import compiled_directory, fmus_directory
 from .folder import systems_in
-from .runtime import REPEATED, VISIBLE, Runtime, SystemSources, runtime, system_sources
+from .runtime import (
+    REPEATED,
+    VISIBLE,
+    WRITTEN_OUT,
+    Runtime,
+    SystemSources,
+    runtime,
+    system_sources,
+)
 
 __all__ = ["Compiled", "compile_kernel", "extension", "load_compiled", "why_not", "write_shipped"]
 
@@ -95,7 +103,9 @@ def _c_sources(core: Runtime, system: SystemSources | None) -> Path:
     """The folder with the C source of the core or of a system."""
 
     def make(folder: Path) -> None:
-        unit = core_unit = translate(core.extension, core.kernel, None, VISIBLE, REPEATED)
+        unit = core_unit = translate(
+            core.extension, core.kernel, None, VISIBLE, REPEATED, WRITTEN_OUT
+        )
         if system is not None:
             unit = translate(system.extension, system.kernel, core_unit)
         made = write_c(unit, folder, core_unit)

@@ -17,7 +17,15 @@ from typing import NamedTuple
 from ..compiling.modules import absolute
 from .folder import DECLARATION, Folder
 
-__all__ = ["REPEATED", "VISIBLE", "Runtime", "SystemSources", "runtime", "system_sources"]
+__all__ = [
+    "REPEATED",
+    "VISIBLE",
+    "WRITTEN_OUT",
+    "Runtime",
+    "SystemSources",
+    "runtime",
+    "system_sources",
+]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _ROOT = "curvebound"
@@ -37,6 +45,7 @@ _FACES = ("controller", "cutting", "derivatives", "direct", "engine", "plant", "
 #: decides, with the sources, what is compiled from them
 _TRANSLATOR = (
     *("c_functions", "extension", "modules", "repeated", "rewrite", "translate", "writer"),
+    "written_out",
 )
 #: what Python calls of the compiled kernel: class -> attributes and methods, "" -> functions
 VISIBLE = {
@@ -64,6 +73,14 @@ VISIBLE = {
 }
 #: the loops in which the time goes
 REPEATED = {"curvebound.kernel.rk4": ("steps",)}
+#: loops over the stages of a method
+WRITTEN_OUT = {
+    "curvebound.kernel.polynomial": ("evaluate_at", "find_coefficients"),
+    "curvebound.kernel.lobatto": (
+        *("copy", "estimated", "evaluate", "fill", "find_powers", "follow", "larger", "moves"),
+        *("place", "quadrature", "weighted"),
+    ),
+}
 
 
 class Runtime(NamedTuple):
@@ -147,9 +164,8 @@ def runtime() -> Runtime:
     modules = {f"{_ROOT}.{name[:-3].replace('/', '.')}": files[name].decode() for name in compiled}
     translator = [(_PACKAGE / "compiling" / f"{name}.py").read_bytes() for name in _TRANSLATOR]
     digest = _digest(*translator, **files)
-    extension = (
-        f"{_ROOT}_core_{_digest(*translator, repr((VISIBLE, REPEATED)).encode(), **modules)}"
-    )
+    settings = repr((VISIBLE, REPEATED, WRITTEN_OUT)).encode()
+    extension = f"{_ROOT}_core_{_digest(*translator, settings, **modules)}"
     return Runtime(files, modules, digest, extension)
 
 

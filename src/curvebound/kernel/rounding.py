@@ -8,7 +8,7 @@ that cancel, at a rest for instance, have just such slopes.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, final
 
 from .base import Model
 
@@ -34,6 +34,7 @@ TIMES: Final = 4.0
 SPREAD: Final = 8.9e-16
 
 
+@final
 class Rounding:
     """Sizes of the rounding of both accelerations, and of the coordinates so far.
 

@@ -1,0 +1,110 @@
+"""Whether the sweeps of a collocation step converge, and where rounding is all that they change."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, final
+
+from .base import Model
+from .rounding import NEGLIGIBLE, Rounding
+
+__all__ = ["CONVERGED", "DIVERGES", "GOES_ON", "SLOWEST", "Course", "scale"]
+
+# what comes out of a sweep
+GOES_ON: Final = 0
+CONVERGED: Final = 1
+DIVERGES: Final = 2
+
+#: part of the tolerance to which sweeps converge: what they leave adds up from step to step, while
+#: errors of the symmetric method cancel where the motion returns
+PART: Final = 0.5
+#: the slowest convergence at which a step is not better halved
+SLOWEST: Final = 0.5
+#: the convergence that is counted on at most, and that after one sweep, when it is the last step's
+FASTEST: Final = 0.003
+PRESUMED: Final = 0.1
+#: changes below this, relative, are rounding
+ROUNDING: Final = 5e-16
+TINY: Final = 1e-300
+
+
+@final
+class Course:
+    """The sweeps of one step.
+
+    Changes are relative to the rates of the coordinates, each for itself.
+    """
+
+    def __init__(self) -> None:
+        #: 1 / size of the rates; 0 until measure()
+        self.scale0: float = 0.0
+        self.scale1: float = 0.0
+        #: whether it is known what rounding makes of the accelerations, and that; else 0
+        self.known: bool = False
+        self.noise0: float = 0.0
+        self.noise1: float = 0.0
+        #: how much the last sweep moved the end, and the factor by which it did less than before
+        self.change: float = 0.0
+        self.contraction: float = SLOWEST
+
+    def begin(
+        self, model: Model, rounding: Rounding, t: float, noisy: bool, contraction: float
+    ) -> None:
+        """Before the sweeps of a step from time t (s); contraction: that of the last step."""
+        self.scale0 = 0.0
+        self.scale1 = 0.0
+        self.known = noisy
+        self.noise0 = 0.0
+        self.noise1 = 0.0
+        self.change = 0.0
+        self.contraction = contraction
+        if noisy:
+            rounding.look_closely(model, t)
+            self.noise0 = rounding.noise0
+            self.noise1 = rounding.noise1
+
+    def look(self, model: Model, rounding: Rounding, t: float) -> None:
+        """Find out what rounding makes of the accelerations."""
+        self.known = True
+        rounding.estimate(model, t)
+        self.noise0 = rounding.noise0
+        self.noise1 = rounding.noise1
+
+    def outcome(
+        self,
+        model: Model,
+        rounding: Rounding,
+        t: float,
+        h: float,
+        sweep: int,
+        change: float,
+        still: float,
+        tolerance: float,
+    ) -> int:
+        """What comes out of a sweep that moved the end by `change`: GOES_ON or another.
+
+        still: what the next will move it by at least, if that is known.
+        """
+        left = max(change * max(self.contraction, PRESUMED), still)
+        if self.change > 0.0:
+            self.contraction = max(change / self.change, FASTEST)
+            left = change * self.contraction
+        self.change = change
+        if left <= max(PART * tolerance, ROUNDING):
+            return CONVERGED
+        if sweep > 1 and self.contraction > SLOWEST:
+            if not self.known:
+                self.look(model, rounding, t)
+            if change <= h * (self.noise0 * self.scale0 + self.noise1 * self.scale1):
+                return CONVERGED
+            return DIVERGES
+        return GOES_ON
+
+
+def scale(v: float, w: float, h: float, a: float, b: float, size: float) -> float:
+    """1 / size of a rate that goes from v to w within h s, with accelerations from a to b.
+
+    size: that of its coordinate.
+    """
+    rate = max(math.fabs(v), math.fabs(w)) + h * max(math.fabs(a), math.fabs(b))
+    return 1.0 / max(rate, NEGLIGIBLE * size / h + TINY)
