@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from curvebound.cosim import load_scene
-from curvebound.study.grid import Family, divisions, tolerances
+from curvebound.study.grid import Family, couplings, divisions, tolerances
 from curvebound.study.reference.reference_set import ReferenceSet
 from curvebound.study.settings import Setting, study_outputs
 from curvebound.study.starts import unseen
@@ -29,6 +29,7 @@ __all__ = ["BOUNDS", "MOST", "Case", "broken", "verify_scene"]
 BOUNDS = (1e-2, 1e-4, 1e-6, 1e-9)
 SHARE = 0.95  # of the fresh starts at which a bound is to be met
 MOST = 1.5  # cost over that of the grid's best
+_FINER = (1, 2, 5, 10)  # macro steps of the grid where law and inputs act all the time
 _TIMED = 3  # of the grid's cheapest that are timed against the choice
 
 
@@ -85,16 +86,22 @@ def verify_scene(
     fresh: int = 20,
     quick: bool = False,
     limit: float = 2.0,
+    continuous: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> list[Case]:
-    """The cases of one scene. quick: a thinner grid; limit: CPU seconds of one run."""
+    """The cases of one scene. quick: a thinner grid; limit: CPU seconds of one run.
+
+    continuous: laws and inputs act all the time, macro step, algorithm and hold are chosen too.
+    """
     tell = progress or (lambda _: None)
     scene = load_scene(name)
     paths = study_outputs(scene, scene.check())
-    tuner = Tuner(scene, paths, limit=limit)
+    tuner = Tuner(scene, paths, limit=limit, continuous=continuous)
     try:
         starts = unseen(tuner.system, 0.2, fresh)
-        checks = ReferenceSet(tuner.system, tuner.space.best_model, paths, changes=starts)
+        checks = ReferenceSet(
+            tuner.system, tuner.space.best_model, paths, changes=starts, continuous=continuous
+        )
         tell(f"{name}: reference of {fresh} fresh starts")
         _ = checks.reference
         chosen = []
@@ -136,7 +143,10 @@ def _ceiling(choices: Iterable[Choice]) -> float:
 
 
 class _Grid:
-    """All settings of the grid at the tuner's macro step, run once from the scene's own start."""
+    """All settings of the grid, run once from the scene's own start.
+
+    At the tuner's macro step; where that is chosen, at finer ones and with all couplings too.
+    """
 
     def __init__(
         self,
@@ -168,15 +178,20 @@ class _Grid:
         self._tried: dict[tuple[str, float, int], Candidate] = {}
 
     def _families(self, quick: bool) -> list[Family]:
-        scene, step = self.tuner.scene, self.tuner.step
+        scene, space = self.tuner.scene, self.tuner.space
+        every = [((scene.algorithm, scene.hold), self.tuner.step)]
+        if self.tuner.continuous:
+            pairs = couplings(scene, space)
+            every = [(pair, self.tuner.step / n) for pair in pairs for n in _FINER]
         families = []
-        for family in self.tuner.space.families(step, scene.algorithm, scene.hold):
-            if family.method == "exact":
-                families.append(Family("micro", (family,)))
-                continue
-            sizes = tolerances(quick) if family.by_tolerance else []
-            sizes = sizes or [step / n for n in divisions(quick)]
-            families.append(Family("micro", tuple(family.with_size(s) for s in sizes)))
+        for pair, step in every:
+            for family in space.families(step, *pair):
+                if family.method == "exact":
+                    families.append(Family("micro", (family,)))
+                    continue
+                sizes = tolerances(quick) if family.by_tolerance else []
+                sizes = sizes or [step / n for n in divisions(quick)]
+                families.append(Family("micro", tuple(family.with_size(s) for s in sizes)))
         return families
 
     def _expected(self, before: tuple[Setting, float], setting: Setting) -> float:

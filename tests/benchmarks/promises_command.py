@@ -34,6 +34,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--limit", type=positive, default=5.0, metavar="S", help="CPU seconds of one run (5)"
     )
+    parser.add_argument(
+        "--continuous", action="store_true", help="as `curvebound tune --continuous`"
+    )
     parser.add_argument("--out", type=Path, metavar="FILE.json", help="write the cases")
 
 
@@ -53,6 +56,7 @@ def _verified(options: argparse.Namespace, console: Console) -> int:
                 options.error or BOUNDS,
                 fresh=options.starts,
                 limit=options.limit,
+                continuous=options.continuous,
                 progress=status.update,
             )
             cases += found

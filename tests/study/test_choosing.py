@@ -336,7 +336,34 @@ def test_a_macro_step_follows_from_the_order_of_the_algorithm(
     wanted = (0.35 / 100.0) ** (1.0 / order) * scene.step
     assert macro.step == pytest.approx(scene.step / math.ceil(scene.step / wanted))
     mine = [c for c in tried if c.setting.coupling == macro.coupling]
-    assert len(mine) == 2
+    assert [c.starts for c in mine] == [1, 1, 4]  # twice at its own start, then at all
+
+
+def test_a_macro_step_leaves_room_at_all_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The scene's own start needs no finer one; another comes to twice as much."""
+    scene = load_scene("active_damping")
+    scene.stop_time = 1.0
+    tuner = Tuner(scene, list(scene.needs.errors), continuous=True, starts=4)
+    try:
+
+        def law(setting: Setting) -> tuple[float, float]:
+            if setting.coupling != "gauss_seidel, hold first":
+                return math.inf, 1.0
+            return 0.45 * (setting.step / scene.step) ** 2, 1e-5
+
+        obeying(tuner, monkeypatch, law)
+        every = tuner.ensemble.all
+
+        def worse(setting: Setting, bounds: dict[str, float]) -> Candidate:
+            found = every(setting, bounds)
+            return replace(found, miss=2.0 * found.miss)
+
+        monkeypatch.setattr(tuner.ensemble, "all", worse)
+        macro = tuner._macro(dict.fromkeys(tuner.paths, 1e-3), [], lambda _: None)
+    finally:
+        tuner.close()
+    assert macro.coupling == "gauss_seidel, hold first"
+    assert macro.step == scene.step / 2
 
 
 def pushed(**settings: Any) -> Scene:
@@ -415,8 +442,8 @@ def test_a_macro_step_whose_run_would_last_beyond_the_limit_is_not_tried(
         macro = tuner._macro(dict.fromkeys(tuner.paths, 1e-3), tried, lambda _: None)
     finally:
         tuner.close()
-    own = [c.setting for c in tried if c.setting.algorithm == "gauss_seidel"]
-    assert [setting.hold for setting in own].count("zero") == runs
+    own = [c for c in tried if c.setting.coupling == "gauss_seidel" and c.starts == 1]
+    assert len(own) == runs
     assert macro.step == pytest.approx(scene.step / (finer if runs == 2 else 1))
 
 

@@ -37,6 +37,7 @@ __all__ = ["Tuner"]
 _MOST = 1e7  # communication steps of a run
 _DEARER = 1.4  # times the cost of a setting that met the bounds by far wherever it was run
 _LONGER = 1.5  # times the macro step with values held, for which slopes are worth their cost
+_ROOM = 0.5  # of the bounds that coupling may take, the rest is for integration
 _ALL = 4  # families that are refined and timed in turn
 
 
@@ -298,14 +299,13 @@ class Tuner:
                 tell(f"{setting.coupling}, macro step {setting.step:.2g} s")
                 candidate = self.ensemble.one(setting, bounds)
                 every.append(candidate)
-                if candidate.miss <= 0.5:
+                if candidate.miss <= _ROOM:
                     options.append(candidate)
                     break
-                factor = (AIM / min(candidate.miss, 1e6)) ** (1.0 / _order(setting))
-                step = self.step / math.ceil(self.step / (setting.step * factor) - 1e-9)
-                if candidate.cpu * setting.step / step * self.span > self.limit:
+                finer = self._finer(candidate)
+                if finer is None:
                     break
-                setting = replace(setting, step=step)
+                setting = finer
         tried += every
         # slopes cost something, and timings differ by chance: only where they allow longer steps
         held = {c.setting.algorithm: c.setting.step for c in options if c.setting.hold == "zero"}
@@ -316,10 +316,32 @@ class Tuner:
             or c.setting.step > _LONGER * held.get(c.setting.algorithm, 0.0)
         ]
         if options:
-            return min(options, key=lambda c: c.cpu).setting
+            return self._for_all_starts(min(options, key=lambda c: c.cpu).setting, bounds, tried)
         if self.sampled:
             return replace(base, step=min(c.setting.step for c in every))
         return min(every, key=lambda c: c.miss).setting if every else base
+
+    def _finer(self, candidate: Candidate) -> Setting | None:
+        """The macro step at which a setting is expected to fit; None where it costs too much."""
+        setting = candidate.setting
+        factor = (AIM / min(candidate.miss, 1e6)) ** (1.0 / _order(setting))
+        step = self.step / math.ceil(self.step / (setting.step * factor) - 1e-9)
+        if candidate.cpu * setting.step / step * self.span > self.limit:
+            return None
+        return replace(setting, step=step)
+
+    def _for_all_starts(
+        self, setting: Setting, bounds: Mapping[str, float], tried: list[Candidate]
+    ) -> Setting:
+        """The setting, finer in the macro step where other starts need it."""
+        for _ in range(3 if self.sampled else 0):
+            candidate = self.ensemble.all(setting, bounds)
+            tried.append(candidate)
+            finer = None if candidate.miss <= _ROOM else self._finer(candidate)
+            if finer is None or finer.step == setting.step:
+                break
+            setting = finer
+        return setting
 
     def _couplings(self) -> list[tuple[str, str]]:
         """Algorithms and holds to choose from."""
