@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
 
+import numpy as np
 import pytest
 from browsing import Tab
 from legible import VIEWS, boxes, look
 from motions import bead
+from PIL import Image
 
+from curvebound.pages import palette
 from curvebound.view import Card, write_gallery, write_picture, write_replay
 
 
@@ -22,7 +26,7 @@ class Addresses(HTMLParser):
 
     def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
         for name, value in attributes:
-            if name in ("href", "src") and value and not value.startswith("data:"):
+            if name in ("href", "src", "srcset") and value and not value.startswith("data:"):
                 self.found.append(value)
 
 
@@ -33,7 +37,9 @@ def gallery(tmp_path: Path) -> Path:
     card = Card(
         title="bead & <wire>",
         shows="A bead slides.",
-        picture=write_picture(data, folder / "pictures" / "bead on a wire.png", stacked=True),
+        picture=write_picture(
+            data, folder / "pictures" / "bead on a wire.png", stacked=True, dark=True
+        ),
         settings={"method": "rk4, 1 ms", "formulation": "<angle>"},
         error="2e-12 J",
         cost="2.1 us a step",
@@ -92,3 +98,30 @@ def test_it_is_read_on_any_screen(tab: Tab, gallery: Path) -> None:
         inches = tab.run("document.images[0].naturalWidth") / pixels_per_inch
         assert image["width"] > 0.9 * inches * 96
         assert image["right"] <= view[0]
+
+
+def test_pictures_follow_the_theme(tab: Tab, gallery: Path) -> None:
+    """On its paper, in inks that are read: the letters' and the first body's stand out from it."""
+    for dark in (False, True):
+        tab.dark(dark)
+        tab.open(gallery, ready=False)
+        tab.run("document.images[0].scrollIntoView()")
+        tab.wait("document.images[0].naturalWidth")
+        assert tab.run("document.images[0].currentSrc").endswith("_dark.png") == dark
+        shot = tab.picture()
+        seen = Image.open(io.BytesIO(shot)).convert("RGB")
+        (box,) = boxes(tab, "article img")
+        part = np.asarray(seen)[
+            int(box["top"]) + 2 : int(box["bottom"]), int(box["left"]) + 2 : int(box["right"]) - 2
+        ]
+        colours, counts = np.unique(part.reshape(-1, 3), axis=0, return_counts=True)
+        named = palette(dark=dark)
+        paper, ink, body = (
+            [int(named[name][i : i + 2], 16) for i in (1, 3, 5)]
+            for name in ("paper", "ink", "result-0")
+        )
+        assert list(colours[counts.argmax()]) == paper
+        assert counts.max() > 0.7 * counts.sum()
+        for wanted in (ink, body):
+            assert (np.abs(colours.astype(int) - wanted).max(axis=1) < 25).any()
+    assert tab.errors == []

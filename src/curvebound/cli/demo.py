@@ -151,7 +151,7 @@ def _gallery(
         picture: Path | None = None
         if with_pictures:
             drawn = inside(out, scene.name, ".png")
-            picture = write_picture(result, drawn, stacked=True)
+            picture = write_picture(result, drawn, stacked=True, dark=True)
         replay = write_replay(
             [(scene.name, result)],
             inside(out, scene.name, ".html"),

@@ -11,6 +11,7 @@ from urllib.parse import quote
 
 from ..pages import common_style, document, filled, write_page
 from .asset_files import asset
+from .picture import dark_of
 
 __all__ = ["Card", "write_gallery"]
 
@@ -19,7 +20,8 @@ __all__ = ["Card", "write_gallery"]
 class Card:
     """A scene in the gallery.
 
-    `picture` is a PNG, `links` leads from words to pages; those that do not exist are left out.
+    `picture` is a PNG, beside which its dark variant may lie. `links` leads from words to pages;
+    those that do not exist are left out.
     `settings`, `error` and `cost` are shown as they are, with their units.
     """
 
@@ -64,6 +66,9 @@ def _card(card: Card, out: Path) -> str:
     if card.picture and card.picture.exists():
         source = _address(card.picture, out)
         image = f'<img src="{source}" alt="{said(_alternative(card))}" loading="lazy">'
+        if (dark := dark_of(card.picture)).exists():
+            at = f'srcset="{_address(dark, out)}" media="(prefers-color-scheme: dark)"'
+            image = f"<picture><source {at}>{image}</picture>"
         picture = f'<a href="{_address(main, out)}" tabindex="-1">{image}</a>' if main else image
     rows = [*card.settings.items()]
     rows += [(name, value) for name, value in (("error", card.error), ("cost", card.cost)) if value]

@@ -19,7 +19,7 @@ from .quivers import Quivers, strip_for
 from .reading import Results
 from .stage import INK, Cast, Stage, as_floats, colour_of, figure, save_small
 
-__all__ = ["write_picture"]
+__all__ = ["dark_of", "write_picture"]
 
 _FLASHES = 10
 _PLOTS = 3
@@ -37,6 +37,7 @@ def write_picture(
     arrows: str = "",
     *,
     stacked: bool = False,
+    dark: bool = False,
 ) -> Path:
     """Draw results to the PNG `out`: one Result or structured array, or pairs of a label and one.
 
@@ -44,7 +45,8 @@ def write_picture(
     recognised as a system's of the package or of the drawings `known`. Several results share the
     picture, each in its colour. `arrows`: of velocities and forces, by their names with commas
     between, or "all", at the last instant that is drawn. stacked: the plots below the drawing, for
-    cards and phones. Raises CurveboundError where matplotlib is missing, there is nothing to draw,
+    cards and phones. dark: the same in the colours of the dark theme beside it, in the file that
+    `dark_of` names. Raises CurveboundError where matplotlib is missing, there is nothing to draw,
     or what an arrow needs is not recorded.
     """
     cast = Cast(results, known)
@@ -67,7 +69,14 @@ def write_picture(
         _over_time(axes, heading, unit, logarithmic, series)
         if row == len(plots) - 1:
             axes.set_xlabel("time in s", fontsize=7.5, color=INK, labelpad=1)
+    if dark:
+        write_whole(dark_of(out), lambda path: save_small(drawn, path, dark=True))
     return write_whole(out, lambda path: save_small(drawn, path))
+
+
+def dark_of(picture: Path) -> Path:
+    """Where the dark variant of a picture lies."""
+    return picture.with_name(f"{picture.stem}_dark{picture.suffix}")
 
 
 def _beside(actors: bool, plots: int, titled: bool) -> tuple[Any, Any]:

@@ -36,6 +36,7 @@ INK = "#1b222c"
 GREY = "#8793a3"
 _PAPER = "white"
 _ROUNDING = 1e-12
+_LIGHTER = 0.32  # the share of paper in a light body
 _TINTS = 14  # of each of 18 colours; with white 253, and a picture has 256
 
 
@@ -58,8 +59,10 @@ def figure(width: float, height: float, dpi: int) -> Any:
     return made
 
 
-def pixels(drawn: Any) -> Any:
+def pixels(drawn: Any, *, dark: bool = False) -> Any:
     """A figure as a Pillow picture that knows only our colours and their tints.
+
+    dark: each colour as the one of that name in the dark theme.
 
     A general quantiser gives rare colours to frequent ones, so that a thin line takes the hue of
     another; a fixed table keeps every hue, and the same one in all frames of an animation.
@@ -78,24 +81,31 @@ def pixels(drawn: Any) -> Any:
     gaps = (table * table).sum(axis=1) - 2 * (colours @ table.T)
     indices[inked] = gaps.argmin(axis=1).astype(np.uint8)[places]
     picture = Image.frombytes("P", (width, height), indices.tobytes())
-    picture.putpalette(table.astype(np.uint8).tobytes())
+    picture.putpalette(_tints(dark=dark).astype(np.uint8).tobytes())
     return picture
 
 
 @cache
-def _tints() -> NDArray[np.int32]:
-    """White, then every colour in use in steps down to it, shape (colours, 3)."""
-    inks = [*palette(), INK, GREY]
-    colours = [[int(ink[i : i + 2], 16) for i in (1, 3, 5)] for ink in inks]
-    full = np.array([*colours, *(255.0 * np.array(_lighter(ink)) for ink in palette())])
+def _tints(*, dark: bool = False) -> NDArray[np.int32]:
+    """Paper, then every colour in use in steps down to it, shape (colours, 3)."""
+    named = pages.palette(dark=dark)
+    results = [colour for name, colour in named.items() if name.startswith("result-")]
+
+    def numbers(colour: str) -> NDArray[np.float64]:
+        return np.array([float(int(colour[i : i + 2], 16)) for i in (1, 3, 5)])
+
+    paper = numbers(named["paper"])
+    colours = [numbers(colour) for colour in (*results, named["ink"], named["curve"])]
+    lighter = [one + _LIGHTER * (paper - one) for one in colours[: len(results)]]
     levels = np.linspace(1.0, 0.0, _TINTS, endpoint=False)[:, None, None]
-    tints = 255.0 - levels * (255.0 - full)
-    return np.concatenate(([[255, 255, 255]], np.rint(tints.reshape(-1, 3)))).astype(np.int32)
+    tints = paper - levels * (paper - np.array([*colours, *lighter]))
+    every = np.concatenate(([paper], tints.reshape(-1, 3)))
+    return np.asarray(np.rint(every), dtype=np.int32)
 
 
-def save_small(drawn: Any, out: Any) -> None:
+def save_small(drawn: Any, out: Any, *, dark: bool = False) -> None:
     """Write a figure as PNG with a palette: smaller, to the eye the same."""
-    pixels(drawn).save(out, "PNG", optimize=True)
+    pixels(drawn, dark=dark).save(out, "PNG", optimize=True)
 
 
 def palette() -> list[str]:
@@ -115,7 +125,7 @@ def as_floats(column: NDArray[Any]) -> Floats:
     return np.where(np.isfinite(values), values, np.nan)
 
 
-def _lighter(colour: str, share: float = 0.32) -> tuple[float, float, float]:
+def _lighter(colour: str, share: float = _LIGHTER) -> tuple[float, float, float]:
     part = [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
     return (
         part[0] * (1.0 - share) + share,
