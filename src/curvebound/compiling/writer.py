@@ -47,6 +47,8 @@ class Writer:
         self.visible = visible
         self.module: Module
         self.c_methods: set[str] = set() if core is None else set(core.methods)
+        #: functions -> whether they become functions of C
+        self.of_c: dict[ast.FunctionDef, bool] = {}
 
     def write(self) -> None:
         modules = self.unit.ordered()
@@ -320,11 +322,12 @@ class Writer:
 
     def is_c(self, node: ast.FunctionDef, owner: str) -> bool:
         """Whether a function becomes one of C."""
-        if has_closure(node) or node.name == "__init__":
-            return False
-        # a tuple of numbers is another type in each extension module
-        returns_tuple = self.c_type(node.returns).startswith("(")
-        return not (returns_tuple and owner and self.core is None)
+        if node not in self.of_c:
+            # a tuple of numbers is another type in each extension module
+            returns_tuple = self.c_type(node.returns).startswith("(")
+            is_free = not (returns_tuple and owner and self.core is None)
+            self.of_c[node] = is_free and node.name != "__init__" and not has_closure(node)
+        return self.of_c[node]
 
     def is_visible(self, node: ast.FunctionDef, owner: str, parts: list[str]) -> bool:
         """Whether Python, too, can call a C function."""

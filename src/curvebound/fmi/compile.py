@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from .. import cache
 from ..compiling.extension import FLAGS, SUFFIXES, compile_c, cython_version, headers, write_c
+from ..compiling.modules import Unit
 from ..compiling.toolchain import HERE, PLATFORMS, compiler_for, compiler_parts
 from ..compiling.translate import translate
 from ..errors import CurveboundError
@@ -29,6 +30,9 @@ from .runtime import (
 )
 
 __all__ = ["Compiled", "compile_kernel", "extension", "load_compiled", "why_not", "write_shipped"]
+
+
+_CORES: dict[str, Unit] = {}
 
 
 class Compiled(NamedTuple):
@@ -99,13 +103,20 @@ def extension(target: str, core: Runtime, system: SystemSources | None) -> bytes
     return (cache.entry("kernels", parts, make) / file).read_bytes()
 
 
+def _core_unit(core: Runtime) -> Unit:
+    """The core, translated once in a process: every system needs its declarations."""
+    if core.extension not in _CORES:
+        _CORES[core.extension] = translate(
+            core.extension, core.kernel, None, VISIBLE, REPEATED, WRITTEN_OUT
+        )
+    return _CORES[core.extension]
+
+
 def _c_sources(core: Runtime, system: SystemSources | None) -> Path:
     """The folder with the C source of the core or of a system."""
 
     def make(folder: Path) -> None:
-        unit = core_unit = translate(
-            core.extension, core.kernel, None, VISIBLE, REPEATED, WRITTEN_OUT
-        )
+        unit = core_unit = _core_unit(core)
         if system is not None:
             unit = translate(system.extension, system.kernel, core_unit)
         made = write_c(unit, folder, core_unit)
