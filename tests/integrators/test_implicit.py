@@ -14,8 +14,8 @@ from curvebound.kernel.methods import create
 
 def test_constants() -> None:
     root = math.sqrt(3.0)
-    a = ((0.25, implicit.A12), (implicit.A21, 0.25))
-    c = (implicit.C1, implicit.C2)
+    a = (implicit.A[:2], implicit.A[2:])
+    c = implicit.C
     assert c == pytest.approx((0.5 - root / 6, 0.5 + root / 6), abs=1e-16)
     assert pytest.approx(1 / (c[1] - c[0]), abs=4e-16) == implicit.SPREAD
     for i in range(2):
@@ -28,7 +28,7 @@ def test_constants() -> None:
     for k in range(1, 5):
         assert 0.5 * (c[0] ** (k - 1) + c[1] ** (k - 1)) == pytest.approx(1 / k, abs=1e-16)
     square = [[sum(a[i][k] * a[k][j] for k in range(2)) for j in range(2)] for i in range(2)]
-    names = ((implicit.B11, implicit.B12), (implicit.B21, implicit.B11))
+    names = (implicit.B[:2], implicit.B[2:])
     for i in range(2):
         assert names[i] == pytest.approx(square[i], abs=1e-16)
     weights = [0.5 * (a[0][j] + a[1][j]) for j in range(2)]

@@ -75,6 +75,7 @@ VISIBLE = {
 REPEATED = {"curvebound.kernel.rk4": ("steps",)}
 #: loops over the stages of a method
 WRITTEN_OUT = {
+    "curvebound.kernel.implicit": ("ahead", "evaluate", "find_powers", "find_times", "place"),
     "curvebound.kernel.polynomial": ("evaluate_at", "find_coefficients"),
     "curvebound.kernel.lobatto": (
         *("copy", "estimated", "evaluate", "fill", "find_powers", "follow", "larger", "moves"),

@@ -20,7 +20,7 @@ therefore halved, like those at which the iteration fails. Of what is less energ
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Annotated, Final
 
 from .base import Model
 from .blocks import block, solved
@@ -28,13 +28,16 @@ from .method import DONE, NOT_CONVERGED, NOT_FINITE, TOO_MANY_STEPS, Method
 
 __all__ = ["Implicit"]
 
-C1: Final = 0.2113248654051871
-C2: Final = 0.7886751345948129
-A12: Final = -0.03867513459481288
-A21: Final = 0.5386751345948129
-B11: Final = 0.041666666666666664
-B12: Final = -0.01933756729740644
-B21: Final = 0.26933756729740643
+STAGES: Final = 2
+Stages = Annotated[list[float], STAGES]
+C: Final[list[float]] = [0.2113248654051871, 0.7886751345948129]
+#: A and B by rows
+A: Final[list[float]] = [0.25, -0.03867513459481288, 0.5386751345948129, 0.25]
+# fmt: off
+B: Final[list[float]] = [
+    0.041666666666666664, -0.01933756729740644, 0.26933756729740643, 0.041666666666666664,
+]
+# fmt: on
 #: weights of K1, K2 in h^2 (...) of the new q; those of the new v are 1/2
 W1: Final = 0.39433756729740643
 W2: Final = 0.10566243270259355
@@ -169,70 +172,60 @@ class Implicit(Method):
         """Newton's method for K1, K2 and, once converged, the step itself."""
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         hh = h * h
-        t1 = t + C1 * h
-        t2 = t + C2 * h
+        # times of the stages, accelerations of both coordinates there, the coordinates, their rates
+        at: Stages = [0.0] * STAGES
+        k0: Stages = [0.0] * STAGES
+        k1: Stages = [0.0] * STAGES
+        x0: Stages = [0.0] * STAGES
+        x1: Stages = [0.0] * STAGES
+        w0: Stages = [0.0] * STAGES
+        w1: Stages = [0.0] * STAGES
+        f0: Stages = [0.0] * STAGES
+        f1: Stages = [0.0] * STAGES
+        find_times(t, h, at)
         if extrapolate:
             ratio = h / self.last
-            slope0 = SPREAD * (self.k20 - self.k10)
-            slope1 = SPREAD * (self.k21 - self.k11)
-            ahead1 = 1.0 + ratio * C1 - C1
-            ahead2 = 1.0 + ratio * C2 - C1
-            x10 = self.k10 + ahead1 * slope0
-            x11 = self.k11 + ahead1 * slope1
-            x20 = self.k10 + ahead2 * slope0
-            x21 = self.k11 + ahead2 * slope1
+            ahead(self.k10, self.k20, ratio, k0)
+            ahead(self.k11, self.k21, ratio, k1)
         else:
             model.jacobian(t, q0, q1, v0, v1)
-            if h * (math.fabs(model.a0_v0) + math.fabs(model.a1_v1)) > STIFF:
-                x10 = x11 = 0.0
-            else:
+            if h * (math.fabs(model.a0_v0) + math.fabs(model.a1_v1)) <= STIFF:
                 model.acceleration(t, q0, q1, v0, v1)
-                x10 = model.a0
-                x11 = model.a1
+                k0[0] = k0[1] = model.a0
+                k1[0] = k1[1] = model.a1
                 self.evaluations += 1
-            x20 = x10
-            x21 = x11
         floor0 = math.fabs(v0) / h
         floor1 = math.fabs(v1) / h
         before = math.inf
         damping = 0.0
         for _ in range(MOST_ITERATIONS):
-            qa0 = q0 + h * C1 * v0 + hh * (B11 * x10 + B12 * x20)
-            qa1 = q1 + h * C1 * v1 + hh * (B11 * x11 + B12 * x21)
-            va0 = v0 + h * (0.25 * x10 + A12 * x20)
-            va1 = v1 + h * (0.25 * x11 + A12 * x21)
-            qb0 = q0 + h * C2 * v0 + hh * (B21 * x10 + B11 * x20)
-            qb1 = q1 + h * C2 * v1 + hh * (B21 * x11 + B11 * x21)
-            vb0 = v0 + h * (A21 * x10 + 0.25 * x20)
-            vb1 = v1 + h * (A21 * x11 + 0.25 * x21)
-            model.acceleration(t1, qa0, qa1, va0, va1)
-            f10 = model.a0
-            f11 = model.a1
-            model.acceleration(t2, qb0, qb1, vb0, vb1)
-            f20 = model.a0
-            f21 = model.a1
-            self.evaluations += 2
-            model.jacobian(t1, qa0, qa1, va0, va1)
+            place(q0, v0, h, k0, x0, w0)
+            place(q1, v1, h, k1, x1, w1)
+            evaluate(model, at, x0, x1, w0, w1, f0, f1)
+            self.evaluations += STAGES
+            model.jacobian(at[0], x0[0], x1[0], w0[0], w1[0])
             damping = h * (math.fabs(model.a0_v0) + math.fabs(model.a1_v1))
-            p = block(1.0, hh * B11, h * 0.25, model)
-            q = block(0.0, hh * B12, h * A12, model)
-            model.jacobian(t2, qb0, qb1, vb0, vb1)
-            r = block(0.0, hh * B21, h * A21, model)
-            s = block(1.0, hh * B11, h * 0.25, model)
-            d10, d11, d20, d21 = solved(p, q, r, s, (f10 - x10, f11 - x11), (f20 - x20, f21 - x21))
+            p = block(1.0, hh * B[0], h * A[0], model)
+            q = block(0.0, hh * B[1], h * A[1], model)
+            model.jacobian(at[1], x0[1], x1[1], w0[1], w1[1])
+            r = block(0.0, hh * B[2], h * A[2], model)
+            s = block(1.0, hh * B[3], h * A[3], model)
+            d10, d11, d20, d21 = solved(
+                p, q, r, s, (f0[0] - k0[0], f1[0] - k1[0]), (f0[1] - k0[1], f1[1] - k1[1])
+            )
             if not math.fabs(d10 + d11 + d20 + d21) <= LARGEST:
                 return False
-            x10 += d10
-            x11 += d11
-            x20 += d20
-            x21 += d21
+            k0[0] += d10
+            k1[0] += d11
+            k0[1] += d20
+            k1[1] += d21
             size = 0.0
             move0 = max(math.fabs(d10), math.fabs(d20))
             move1 = max(math.fabs(d11), math.fabs(d21))
             if move0 != 0.0:
-                size = move0 / max(max(math.fabs(x10), math.fabs(x20)), floor0)
+                size = move0 / max(max(math.fabs(k0[0]), math.fabs(k0[1])), floor0)
             if move1 != 0.0:
-                size = max(size, move1 / max(max(math.fabs(x11), math.fabs(x21)), floor1))
+                size = max(size, move1 / max(max(math.fabs(k1[0]), math.fabs(k1[1])), floor1))
             # Quadratic convergence: the next correction would be about size^3 / before^2.
             small = size <= NOISE
             if size <= ROUNDING or (
@@ -244,33 +237,59 @@ class Implicit(Method):
         else:
             return False
         if model.works:
-            model.work += (0.5 * h) * (
-                model.power(
-                    t1,
-                    q0 + h * C1 * v0 + hh * (B11 * x10 + B12 * x20),
-                    q1 + h * C1 * v1 + hh * (B11 * x11 + B12 * x21),
-                    v0 + h * (0.25 * x10 + A12 * x20),
-                    v1 + h * (0.25 * x11 + A12 * x21),
-                    x10,
-                    x11,
-                )
-                + model.power(
-                    t2,
-                    q0 + h * C2 * v0 + hh * (B21 * x10 + B11 * x20),
-                    q1 + h * C2 * v1 + hh * (B21 * x11 + B11 * x21),
-                    v0 + h * (A21 * x10 + 0.25 * x20),
-                    v1 + h * (A21 * x11 + 0.25 * x21),
-                    x20,
-                    x21,
-                )
-            )
-        model.q0 = q0 + (h * v0 + hh * (W1 * x10 + W2 * x20))
-        model.q1 = q1 + (h * v1 + hh * (W1 * x11 + W2 * x21))
-        model.v0 = v0 + (0.5 * h) * (x10 + x20)
-        model.v1 = v1 + (0.5 * h) * (x11 + x21)
+            place(q0, v0, h, k0, x0, w0)
+            place(q1, v1, h, k1, x1, w1)
+            find_powers(model, at, x0, x1, w0, w1, k0, k1, f0)
+            model.work += (0.5 * h) * (f0[0] + f0[1])
+        model.q0 = q0 + (h * v0 + hh * (W1 * k0[0] + W2 * k0[1]))
+        model.q1 = q1 + (h * v1 + hh * (W1 * k1[0] + W2 * k1[1]))
+        model.v0 = v0 + (0.5 * h) * (k0[0] + k0[1])
+        model.v1 = v1 + (0.5 * h) * (k1[0] + k1[1])
+        self.k10, self.k11, self.k20, self.k21, self.last = k0[0], k1[0], k0[1], k1[1], h
         if damping > STIFF:
             # of what damping does at once there is nothing to extrapolate, and the speeds that
             # follow from it lead the next iteration to solutions far off
-            x10 = x11 = x20 = x21 = 0.0
-        self.k10, self.k11, self.k20, self.k21, self.last = x10, x11, x20, x21, h
+            self.k10 = self.k11 = self.k20 = self.k21 = 0.0
         return True
+
+
+# -- over the stages: written out where they are called when compiled (runtime.WRITTEN_OUT) --------
+def find_times(t: float, h: float, at: Stages) -> None:
+    """Set `at` to the times of the stages."""
+    for i in range(STAGES):
+        at[i] = t + C[i] * h
+
+
+def ahead(first: float, second: float, ratio: float, k: Stages) -> None:
+    """Extrapolate the accelerations of the last step's stages to one `ratio` times as long."""
+    for i in range(STAGES):
+        k[i] = first + (1.0 + ratio * C[i] - C[0]) * (SPREAD * (second - first))
+
+
+def place(q: float, v: float, h: float, k: Stages, x: Stages, w: Stages) -> None:
+    """Set the stages x and w of a coordinate with the accelerations k."""
+    for i in range(STAGES):
+        x[i] = q + h * C[i] * v + h * h * (B[2 * i] * k[0] + B[2 * i + 1] * k[1])
+        w[i] = v + h * (A[2 * i] * k[0] + A[2 * i + 1] * k[1])
+
+
+# fmt: off
+def evaluate(
+    model: Model, at: Stages, x0: Stages, x1: Stages, w0: Stages, w1: Stages,
+    f0: Stages, f1: Stages,
+) -> None:
+    """Set f0 and f1 to the accelerations that the equations of motion have at the stages."""
+    for i in range(STAGES):
+        model.acceleration(at[i], x0[i], x1[i], w0[i], w1[i])
+        f0[i] = model.a0
+        f1[i] = model.a1
+
+
+def find_powers(
+    model: Model, at: Stages, x0: Stages, x1: Stages, w0: Stages, w1: Stages,
+    k0: Stages, k1: Stages, p: Stages,
+) -> None:
+    """Set p to the power at the stages."""
+    for i in range(STAGES):
+        p[i] = model.power(at[i], x0[i], x1[i], w0[i], w1[i], k0[i], k1[i])
+# fmt: on
