@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from curvebound.arguments import whole
 from curvebound.files import require_writable
 
 from .report import as_data, print_report, save
@@ -30,6 +31,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--every-point", action="store_true", help="print each setting of the accuracy section"
     )
     parser.add_argument(
+        "--rounds", type=whole(1), default=7, help="interleaved rounds of each (default: 7)"
+    )
+    parser.add_argument(
         "--quick", action="store_true", help="see that it runs: few, small measurements"
     )
 
@@ -38,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     """Measure, print, save."""
     if options.json:  # known before the minutes that the figures take
         require_writable(options.json)
-    settings = Settings(quick=options.quick, rounds=1 if options.quick else 7)
+    settings = Settings(quick=options.quick, rounds=1 if options.quick else options.rounds)
     names = [name for name in SECTIONS if name in (options.only or SECTIONS)]
     with Console(stderr=True).status("") as status:
         sections = run_sections(

@@ -2,8 +2,9 @@
 
     python tests/measured [GROUP ...]
 
-Without a group those that do not depend on speed. The figures are kept in figures.json beside this
-file, with machine and date; a test fails where one that does not depend on speed has changed.
+Without a group those that do not depend on speed and take minutes only. The figures are kept in
+figures.json beside this file, with machine and date; a test fails where one that does not depend on
+speed has changed.
 """
 
 from __future__ import annotations
@@ -14,33 +15,51 @@ import json
 import platform
 import sys
 from pathlib import Path
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from measured.groups import GROUPS, demo
+from measured.random_points import COUNT
 from measured.text import DOCUMENTS, put
 
 from curvebound.files import write_whole
 from curvebound.machine import machine
 
 FIGURES = Path(__file__).with_name("figures.json")
+COUNTED = ("points", "motions")
 STEADY = ("demo", "errors", "models")
+
+
+def figures(name: str, count: int) -> dict[str, Any]:
+    """Of a group; count: runs, where it is one of many."""
+    if name == "demo":
+        return demo(draw=True)
+    return GROUPS[name](count) if name in COUNTED else GROUPS[name]()
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("group", nargs="*", choices=[*GROUPS, []], help=", ".join(GROUPS))
-    names = parser.parse_args().group or STEADY
+    parser.add_argument(
+        "--count", type=int, default=COUNT,
+        help=f"runs of each sample of points and of motions (default: {COUNT}, an hour)",
+    )  # fmt: skip
+    chosen = parser.parse_args()
+    names = chosen.group or STEADY
     here = machine()
     where = f"{here['cores']} x {here['processor']}, Python {platform.python_version()}"
-    entries = json.loads(FIGURES.read_text(encoding="utf-8")) if FIGURES.is_file() else {}
+    measured = {}
     for name in names:
         print(f"measuring {name}", flush=True)
-        entries[name] = {
+        measured[name] = {
             "date": datetime.date.today().isoformat(),
             "machine": where,
-            "figures": demo(draw=True) if name == "demo" else GROUPS[name](),
+            "figures": figures(name, chosen.count),
         }
+    # read late: another group may have been measured meanwhile
+    entries = json.loads(FIGURES.read_text(encoding="utf-8")) if FIGURES.is_file() else {}
+    entries |= measured
     text = json.dumps(entries, indent=1, sort_keys=True) + "\n"
     write_whole(FIGURES, lambda path: path.write_text(text, encoding="utf-8"))
     for document in DOCUMENTS:

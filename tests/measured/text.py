@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,8 @@ DOCUMENTS = (
     *sorted((ROOT / "fmus").glob("*/documentation.html")),
 )
 
-_BLOCK = re.compile(r"(<!-- measured: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
+#: on lines of its own, or within one
+_BLOCK = re.compile(r"(<!-- measured: (\w+) -->\n?)(.*?)(<!-- end -->)", re.DOTALL)
 
 
 def _demo(data: Data) -> str:
@@ -115,6 +117,51 @@ def _exact(data: Data) -> str:
     )
 
 
+def _points(data: Data) -> str:
+    """Of each system the points of all seeds in one phrase, within a line."""
+    phrases = []
+    for system in dict.fromkeys(sample["system"] for sample in data["samples"]):
+        of = [sample for sample in data["samples"] if sample["system"] == system]
+        verdicts: Counter[str] = Counter()
+        for sample in of:
+            verdicts.update(sample["verdicts"])
+        counts = ", ".join(f"{n} {verdict}" for verdict, n in verdicts.most_common())
+        seeds = " and ".join(str(sample["seed"]) for sample in of)
+        worst = plain(max(sample["worst"]["error"] for sample in of), 2)
+        most = max(sample["most"]["evaluations"] for sample in of)
+        phrases.append(
+            f"`{system}`, {data['points']} of seed {seeds} each: {counts}; largest error {worst}, "
+            f"at most {_thousands(most)} evaluations"
+        )
+    return ". ".join(phrases)
+
+
+def _motions(data: Data) -> str:
+    """Both plants, with and without hints, in one phrase, within a line."""
+    verdicts: Counter[str] = Counter()
+    for one in data["campaigns"]:
+        verdicts.update(one["verdicts"])
+
+    def number(verdict: str) -> str:
+        return str(verdicts[verdict] or "none")
+
+    runs = sum(verdicts.values())
+    warned = sum(one["warned"] for one in data["campaigns"])
+    needless = sum(one["needless"] for one in data["campaigns"])
+    most = max(one["most"]["steps"] for one in data["campaigns"])
+    return (
+        f"of {runs} runs ({data['points']} motions per plant) {number('wrong')} wrong by more than "
+        f"ten times tolerance times conditioning without a warning, {number('doubtful')} of "
+        f"conditioning below 100 with one, {number('failed')} failed that the series takes in 1000 "
+        f"steps; {warned} warned, {needless} of them needlessly (conditioning below 100, error "
+        f"below 1 % of that bound); at most {_thousands(most)} steps"
+    )
+
+
+def _thousands(n: int) -> str:
+    return f"{n:,}".replace(",", " ")
+
+
 #: the group that a block is made of, and how
 BLOCKS: dict[str, tuple[str, Callable[[Data], str]]] = {
     "demo": ("demo", _demo),
@@ -127,6 +174,8 @@ BLOCKS: dict[str, tuple[str, Callable[[Data], str]]] = {
     "forms": ("models", _forms),
     "fidelity": ("models", _fidelity),
     "exact": ("errors", _exact),
+    "random_points": ("points", _points),
+    "random_motions": ("motions", _motions),
 }
 
 

@@ -28,7 +28,15 @@ from .characteristic import Exact, exact
 from .ranges import RandomPoint, draw, sampled
 from .workers import without_interrupts, workers
 
-__all__ = ["ALLOWED", "PARTS", "SampleSettings", "Sampled", "run_sample", "sample_error"]
+__all__ = [
+    "ALLOWED",
+    "PARTS",
+    "SampleSettings",
+    "Sampled",
+    "run_points",
+    "run_sample",
+    "sample_error",
+]
 
 #: largest relative error of an accurate point
 ALLOWED = 1e-6
@@ -179,6 +187,15 @@ _worker: _Worker | None = None
 def _begin(settings: SampleSettings) -> None:
     global _worker
     _worker = _Worker(settings)
+
+
+def run_points(settings: SampleSettings, points: Sequence[RandomPoint]) -> list[Sampled]:
+    """The outcomes of points, run one after the other in this process."""
+    worker = _Worker(settings)
+    try:
+        return [worker.run(point) for point in points]
+    finally:
+        worker.prepared.close()
 
 
 def _judged(points: Sequence[RandomPoint]) -> list[Sampled]:
