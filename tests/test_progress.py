@@ -72,3 +72,40 @@ def test_nothing_is_written_below_the_level(lines: list[str]) -> None:
 )
 def test_times_in_words(seconds: float, said: str) -> None:
     assert duration(seconds) == said
+
+
+def test_a_terminal_gets_a_bar(monkeypatch: pytest.MonkeyPatch, lines: list[str]) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    with Progress("study of s", 8, "settings") as tell:
+        tell(2)
+        assert tell._bar is None, "not in the first second"
+        monkeypatch.setattr(progress, "_SOON", -1.0)
+        tell(3, note="rk4")
+        (task,) = tell._bar.tasks
+        assert (task.description, task.completed, task.total) == ("study of s", 3, 8)
+        assert task.fields == {"far": "3/8 settings", "note": "rk4"}
+        tell(4.5, 9, label="more")
+        assert (task.description, task.completed, task.total) == ("more", 4.5, 9)
+        assert task.fields == {"far": "4.5/9 settings", "note": ""}
+        assert tell._bar.live.is_started
+    assert not tell._bar.live.is_started
+    assert lines == []
+    with Progress("x") as tell:
+        tell(1.0)
+        assert tell._bar.tasks[0].fields == {"far": "", "note": ""}
+
+
+@pytest.mark.parametrize(
+    ("done", "total", "unit", "note", "said"),
+    [
+        (1.0, 4.0, "s", "a", "x: 1 of 4 s (a), after 20 s, about 1 min 0 s left"),
+        (0.0, 4.0, "", "", "x: 0 of 4, after 20 s"),
+        (4.0, 4.0, "", "", "x: 4 of 4, after 20 s, about 0 s left"),
+        (5.0, 4.0, "", "", "x: 5 of 4, after 20 s"),
+        (3.0, None, "s", "b", "x (b), after 20 s"),
+    ],
+)
+def test_lines(done: float, total: float | None, unit: str, note: str, said: str) -> None:
+    one = Progress("x", total, unit)
+    one._began, one._done, one._note = time.monotonic() - 20.0, done, note
+    assert one.line() == said

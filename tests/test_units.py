@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from curvebound import units
 from curvebound.errors import CurveboundError
 from curvebound.units import exponents, per_second
 
@@ -39,3 +40,34 @@ def test_per_second() -> None:
         "1/s",
     ]
     assert per_second("m.s") == "m"
+
+
+def test_all_units_there_are() -> None:
+    expected = {base: {base: 1} for base in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")} | {
+        "Hz": {"s": -1}, "N": {"kg": 1, "m": 1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2},
+        "W": {"kg": 1, "m": 2, "s": -3}, "Pa": {"kg": 1, "m": -1, "s": -2},
+    }  # fmt: skip
+    assert expected == units._NAMED
+    assert (*units.BASE_UNITS,) == ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+@pytest.mark.parametrize(
+    ("of", "to", "expected"),
+    [
+        ((1.0, 0.0), (1.0, 0.0), (1.0, 0.0)),
+        ((1000.0, 0.0), (1.0, 0.0), (1000.0, 0.0)),
+        ((1.0, 0.0), (0.25, 0.0), (4.0, 0.0)),
+        ((1.0, 273.15), (1.0, 0.0), (1.0, 273.15)),
+        ((1.0, 0.0), (1.0, 273.15), (1.0, -273.15)),
+        ((2.0, 7.0), (4.0, 3.0), (0.5, 1.0)),
+    ],
+)
+def test_conversion(
+    of: tuple[float, ...], to: tuple[float, ...], expected: tuple[float, float]
+) -> None:
+    kind = (0.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert units.conversion((*kind, *of), (*kind, *to)) == pytest.approx(expected)
+    for i in range(8):
+        other = tuple(x + (k == i) for k, x in enumerate(kind))
+        assert units.conversion((*kind, *of), (*other, *to)) is None
+    assert [units.labelled("x", unit) for unit in ("m", "1", "")] == ["x (m)", "x", "x"]
