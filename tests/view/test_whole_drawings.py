@@ -78,7 +78,10 @@ def test_scenes(name: str, tab: Tab, pages: dict[str, Path]) -> None:
     tab.run(RECORD)
     told = []
     for what, deed in DEEDS.items():
-        undo = "const s = curvebound.scene; s.follow(false); s.hidden.clear(); s.width = 800; s.height = 450;"
+        undo = (
+            "const s = curvebound.scene; s.follow(false); s.hidden.clear(); s.width = 800;"
+            "s.height = 450;"
+        )
         told += [f"== {what}", recorded(tab, f"{{ {undo} {deed} s.draw(1.3) }}")]
         told.append(recorded(tab, "curvebound.scene.draw(1000)"))
     assert_same(f"scene of {name}", "\n".join(told))
