@@ -1,4 +1,8 @@
-"""Workers on this machine: processes that are replaced when they die."""
+"""Workers on this machine: processes that are replaced when they die.
+
+An FMU can take its process down. A pool of concurrent.futures, joblib's as well, is broken by that:
+all that was given to it fails, and it cannot tell which point was the cause.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Metrics: arithmetic on a run's outputs that ends in one number."""
+"""Metrics: arithmetic on a run's outputs that ends in one number.
+
+Read by a walk over Python's syntax tree, as simpleeval and asteval do it. These take a path with
+dots for attributes of objects and learn of names while they evaluate; here paths and times are
+known, and what is wrong is said, before the first run. numexpr evaluates text as Python's eval().
+"""
 
 from __future__ import annotations
 
