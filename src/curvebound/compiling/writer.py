@@ -192,8 +192,10 @@ class Writer:
     def class_(self, node: ast.ClassDef) -> None:
         name = self.module.renamed[node.name]
         decorators = [ast.unparse(decorator) for decorator in node.decorator_list]
-        if len(node.bases) > 1 or decorators not in ([], ["final"]):
-            raise self.error(node, f"{node.name}: one base, no decorators but final of typing here")
+        if len(node.bases) > 1 or decorators not in ([], ["final"]) or (decorators and node.bases):
+            raise self.error(
+                node, f"{node.name}: a class is final, or has one base and no decorators"
+            )
         base = self.rewriter().text(node.bases[0]) if node.bases else ""
         inherited = self.attributes(base)
         self.unit.bases[name] = base
