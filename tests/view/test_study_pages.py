@@ -94,7 +94,10 @@ def check_figures(tab: Tab, view: tuple[int, int, bool], count: int) -> None:
     assert len(cards) == len(drawn) == count
     for card, drawing in zip(cards, drawn, strict=True):
         assert drawing["width"] > 0.96 * (card["width"] - 18), "as wide as its card"
+        assert drawing["right"] <= card["right"], "and no wider"
         assert width < 640 or drawing["height"] < 1.2 * drawing["width"]
+    scrolling = "[...document.querySelectorAll('figure')].some((e) => e.scrollWidth > e.clientWidth)"
+    assert not tab.run(scrolling)
     inner = boxes(tab, ".scroll")
     assert inner
     assert all(box["right"] <= width for box in inner)
