@@ -96,8 +96,8 @@ def check_figures(tab: Tab, view: tuple[int, int, bool], count: int) -> None:
         assert drawing["width"] > 0.96 * (card["width"] - 18), "as wide as its card"
         assert drawing["right"] <= card["right"], "and no wider"
         assert width < 640 or drawing["height"] < 1.2 * drawing["width"]
-    scrolling = "[...document.querySelectorAll('figure')].some((e) => e.scrollWidth > e.clientWidth)"
-    assert not tab.run(scrolling)
+    figures = "[...document.querySelectorAll('figure')]"
+    assert not tab.run(f"{figures}.some((one) => one.scrollWidth > one.clientWidth)")
     inner = boxes(tab, ".scroll")
     assert inner
     assert all(box["right"] <= width for box in inner)
