@@ -34,8 +34,8 @@ CASES: dict[str, tuple[str, dict[str, float], float | None]] = {
     "pendulum, linear": ("ParabolaPendulum", {"model.fidelity": 1}, None),
     "bead, angle": ("BeadOnWire", {"model.formulation": 2}, 1.2),
     "bead, Cartesian": ("BeadOnWire", {"constraint.stabilization": 1}, 1.2),
-    "bead, baumgarte": ("BeadOnWire", {"constraint.stabilization": 2}, None),
-    "bead, projection": ("BeadOnWire", {"constraint.stabilization": 3}, None),
+    "bead, baumgarte": ("BeadOnWire", {"constraint.stabilization": 2}, 1.2),
+    "bead, projection": ("BeadOnWire", {"constraint.stabilization": 3}, 1.2),
 }
 
 

@@ -9,6 +9,7 @@ the right-hand side being zero without Baumgarte's stabilisation (Baumgarte 1972
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -58,24 +59,33 @@ class Constrained:
             for r, v in zip(d.raw, self.v, strict=True)
         ]
 
+    def leaving(self, free: Sequence[Expr]) -> Expr:
+        """C'' with these accelerations."""
+        curved = (
+            self.equation.diff(a, b) * va * vb
+            for a, va in zip(self.p, self.v, strict=True)
+            for b, vb in zip(self.p, self.v, strict=True)
+        )
+        return sympy.Add(*(g * a for g, a in zip(self.gradient, free, strict=True)), *curved)
+
+    @cached_property
+    def feedback(self) -> Expr:
+        """What stabilisation takes from C''."""
+        return self.damping * self.rate + self.stiffness * self.equation
+
     @cached_property
     def specific(self) -> Expr:
         """The multiplier per mass."""
-        curved = sympy.Add(
-            *(
-                self.equation.diff(a, b) * va * vb
-                for a, va in zip(self.p, self.v, strict=True)
-                for b, vb in zip(self.p, self.v, strict=True)
-            )
-        )
-        push = sympy.Add(*(g * a for g, a in zip(self.gradient, self.free, strict=True))) + curved
-        push += self.damping * self.rate + self.stiffness * self.equation
-        return -push / self.square
+        return -(self.leaving(self.free) + self.feedback) / self.square
+
+    def held(self, free: Sequence[Expr], specific: Expr) -> list[Expr]:
+        """Accelerations with a multiplier per mass."""
+        return [a + specific * g for a, g in zip(free, self.gradient, strict=True)]
 
     @cached_property
     def accelerations(self) -> list[Expr]:
         """p'' relative to the frame."""
-        return [a + self.specific * g for a, g in zip(self.free, self.gradient, strict=True)]
+        return self.held(self.free, self.specific)
 
     @cached_property
     def _on_curve(self) -> dict[Symbol, Expr]:

@@ -8,7 +8,7 @@ from .constrained import Constrained
 from .derivation import Derivation
 from .kernel_class import DerivedClass, potential_sums
 from .kernel_parts import FORCES, PLACES, SETTINGS, VELOCITIES
-from .kernel_writer import INVERSE
+from .kernel_writer import FREE, INVERSE, PUSH
 from .names import Names
 
 __all__ = ["ConstrainedClass"]
@@ -114,28 +114,22 @@ class ConstrainedClass(DerivedClass):
         return [*lines, "        self.settles = True"]
 
     def _acceleration(self) -> list[str]:
-        # a reciprocal, which does not wait for the velocity that a Runge-Kutta stage knows last
-        reciprocal = 1 / self.c.square
-        first = [("inverse", reciprocal)]
-        pairs = [
-            (f"self.a{i}", e.xreplace({reciprocal: INVERSE}))
-            for i, e in enumerate(self.c.accelerations)
-        ]
-        known = [*self.known, INVERSE]
-        lines = ["", f"    def acceleration(self, {self.arguments()}) -> None:"]
+        deep = " " * 12
         constants = [*self._constant_symbols(), self.c.damping, self.c.stiffness]
-        unfed = {**self.off, self.c.damping: 0, self.c.stiffness: 0}
-        for condition, off in (
-            ("self.plain and not self.feeds_back", unfed),
-            ("self.plain", self.off),
-        ):
-            lines.append(f"        if {condition}:")
-            plain = [(t, e.subs(off)) for t, e in pairs]
-            lines += self.body(first, self.known, indent=" " * 12, hoist=constants)
-            lines += self.body(plain, known, indent=" " * 12, hoist=constants)
-            lines.append("            return")
-        lines += self.body(first, self.known, hoist=constants)
-        return lines + self.body(pairs, known, hoist=constants)
+        free = [(s.name, e) for s, e in zip(FREE, self.c.free, strict=True)]
+        plain = [(name, e.subs(self.off)) for name, e in free]
+        # a reciprocal, which does not wait for the velocity that a Runge-Kutta stage knows last
+        lines = ["", f"    def acceleration(self, {self.arguments()}) -> None:"]
+        lines += self.body([("inverse", 1 / self.c.square)], self.known, hoist=constants)
+        lines += ["        if self.plain:", *self.body(plain, self.known, indent=deep)]
+        lines += ["        else:", *self.body(free, self.known, indent=deep, hoist=constants)]
+        known = [*self.known, INVERSE, *FREE, PUSH]
+        lines += self.body([("push", self.c.leaving(FREE))], known)
+        lines += ["        if self.feeds_back:"]
+        fed = PUSH + self.c.feedback
+        lines += self.body([("push", fed)], known, indent=deep, hoist=constants)
+        held = self.c.held(FREE, -PUSH * INVERSE)
+        return lines + self.body([(f"self.a{i}", e) for i, e in enumerate(held)], known)
 
     def _power(self) -> list[str]:
         lines = ["", f"    def power(self, {self.arguments()}, a0: float, a1: float) -> float:"]

@@ -12,10 +12,13 @@ from .derivation import Derivation
 from .names import Names
 from .source import Lines, Printer
 
-__all__ = ["ACCELERATIONS", "INVERSE", "Writer", "folded"]
+__all__ = ["ACCELERATIONS", "FREE", "INVERSE", "PUSH", "Writer", "folded"]
 
 INVERSE = Symbol("inverse", real=True)
 ACCELERATIONS = (Symbol("a0", real=True), Symbol("a1", real=True))
+#: accelerations without a constraint, and C'' with them
+FREE = (Symbol("free0", real=True), Symbol("free1", real=True))
+PUSH = Symbol("push", real=True)
 _WIDTH = 100
 
 
@@ -47,7 +50,7 @@ class Writer:
         ):
             self._fields |= dict(zip(symbols, names_of, strict=True))
         #: symbols that are locals of the methods by their own name
-        self.plain_locals = {INVERSE, *ACCELERATIONS}
+        self.plain_locals = {INVERSE, PUSH, *FREE, *ACCELERATIONS}
 
     def field(self, s: Symbol) -> str:
         """The field that holds a symbol."""
