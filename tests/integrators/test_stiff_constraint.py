@@ -121,3 +121,28 @@ def test_what_a_stale_matrix_hides_is_no_rounding() -> None:
     assert now == pytest.approx(rate, rel=1e-13, abs=0.0)
     assert angle == pytest.approx(0.7 + 3.75e4 * rate, rel=1e-13)
     assert distance == pytest.approx(320.99825246502724, rel=1e-14)
+
+
+def test_a_motion_and_its_mirror_image_have_the_same_bits() -> None:
+    """What stiff steps try in order to see rounding is mirrored too."""
+    odd = (
+        *("gravity.x", "slider.u_start", "slider.u_rate_start"),
+        *("pendulum.angle_start", "pendulum.angular_velocity_start"),
+    )
+    start = {
+        **dict.fromkeys(("slider.mass", "pendulum.mass", "pendulum.length", "slider.damping"), 1.0),
+        **{"pendulum.damping": 1096.6331584284585, "parabola.coefficient_start": -1.0},
+        **{"parabola.coefficient_rate_start": -1.0, "gravity.x": -1.0, "slider.u_start": -1.0},
+        **{"slider.u_rate_start": -0.4472135954999579, "pendulum.angular_velocity_start": -1.0},
+    }
+    ends = []
+    for sign in (1.0, -1.0):
+        model = find("ParabolaPendulum").module("kernel").model({"model.fidelity": 2})
+        given = {k: sign * x if k in odd else x for k, x in start.items()}
+        model.start({**dict.fromkeys(model.PARAMETERS, 0.0), **given}, {"model.fidelity": 2})
+        model.set_inputs([sign * -1.0, 0.0, -1.0, sign * -1.0, -1.0, sign * -1.0, -1.0], 0)
+        method = Adaptive()
+        for _ in range(3):
+            assert method.advance(model, 0.10606601717798211, 1, 1e-8, 3000) == DONE
+        ends.append([sign * x for x in (model.q0, model.q1, model.v0, model.v1)])
+    assert ends[0] == ends[1]

@@ -214,11 +214,12 @@ class Stages:
             for i in range(STAGES):
                 p, q, v, w = self.x0[i], self.x1[i], self.w0[i], self.w1[i]
                 if k > 0:
-                    p += k * sign * x0
-                    w += k * sign * y1
+                    # by their own signs: alike for a motion and its mirror image
+                    p += k * sign * math.copysign(x0, p)
+                    w += k * sign * math.copysign(y1, w)
                     sign = -sign
-                    q += k * sign * x1
-                    v += k * sign * y0
+                    q += k * sign * math.copysign(x1, q)
+                    v += k * sign * math.copysign(y0, v)
                 model.acceleration(t + NODES[i] * h, p, q, v, w)
                 left[i] = model.a0 - a[i]
                 left[STAGES + i] = model.a1 - b[i]
