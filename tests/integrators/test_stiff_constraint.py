@@ -131,9 +131,13 @@ def test_a_motion_and_its_mirror_image_have_the_same_bits() -> None:
     )
     start = {
         **dict.fromkeys(("slider.mass", "pendulum.mass", "pendulum.length", "slider.damping"), 1.0),
-        **{"pendulum.damping": 1096.6331584284585, "parabola.coefficient_start": -1.0},
-        **{"parabola.coefficient_rate_start": -1.0, "gravity.x": -1.0, "slider.u_start": -1.0},
-        **{"slider.u_rate_start": -0.4472135954999579, "pendulum.angular_velocity_start": -1.0},
+        "pendulum.damping": 1096.6331584284585,
+        "parabola.coefficient_start": -1.0,
+        "parabola.coefficient_rate_start": -1.0,
+        "gravity.x": -1.0,
+        "slider.u_start": -1.0,
+        "slider.u_rate_start": -0.4472135954999579,
+        "pendulum.angular_velocity_start": -1.0,
     }
     ends = []
     for sign in (1.0, -1.0):
