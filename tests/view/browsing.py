@@ -84,6 +84,9 @@ class Tab:
 
     def visit(self, address: str, *, ready: bool = True) -> None:
         """The same, of an address."""
+        # from a blank page: an address with a fragment that a tab already shows is not loaded again
+        self.call("Page.navigate", url="about:blank")
+        self.wait("location.href === 'about:blank'")
         self.call("Page.navigate", url=address)
         # the blank page before it is complete too
         here = f"location.pathname === {json.dumps(urlparse(address).path)}"

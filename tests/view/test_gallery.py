@@ -106,8 +106,9 @@ def test_pictures_follow_the_theme(tab: Tab, gallery: Path) -> None:
         tab.dark(dark)
         tab.open(gallery, ready=False)
         tab.run("document.images[0].scrollIntoView()")
-        tab.wait("document.images[0].naturalWidth")
+        tab.wait("document.images[0].complete && document.images[0].naturalWidth")
         assert tab.run("document.images[0].currentSrc").endswith("_dark.png") == dark
+        tab.run("document.images[0].decode()")
         shot = tab.picture()
         seen = Image.open(io.BytesIO(shot)).convert("RGB")
         (box,) = boxes(tab, "article img")

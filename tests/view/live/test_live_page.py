@@ -351,10 +351,16 @@ def test_a_run_that_leaves_shrinks_nothing_until_all_is_asked_for(
     tab.wait(shown)
     assert tab.run("curvebound.scene.drawn.scale") == alone
     tab.key("f")
-    tab.wait(f"curvebound.scene.drawn.scale > {0.2 * alone}")
+    tab.wait(f"curvebound.scene.drawn.scale < {alone}")
+    assert tab.run("curvebound.scene.drawn.scale") > 0.2 * alone
     tab.key("e")
     tab.wait("document.getElementById('see-all').ariaPressed === 'true'")
     tab.wait(f"curvebound.scene.drawn.scale < {0.1 * alone}")
+    # both keys before the next picture
+    down = "new KeyboardEvent('keydown', { key, bubbles: true })"
+    tab.run(f"for (const key of 'fe') document.body.dispatchEvent({down})")
+    assert tab.run("curvebound.scene.whole")
+    assert tab.run("document.getElementById('see-all').ariaPressed") == "true"
     both = "curvebound.placed.map((at) => curvebound.grips.pixel(at.point('slider')))"
     width = tab.run("curvebound.scene.width")
     assert all(0 <= x <= width for x, _ in tab.run(both))

@@ -218,12 +218,7 @@ class LivePage extends ScenePage {
   }
 
   tell() {
-    if (this.scene) {
-      const all = allOf(this);
-      this.scene.view = { ...this.scene.view, all };
-      this.scene.whole &&= Boolean(all);
-      this.offerAll();
-    }
+    if (this.scene) this.showView(this.scene.view);
     for (const plot of this.plots.filter(({ chart, element }) => chart && !element.hidden)) {
       plot.judge();
       plot.tell(this.hovered ?? this.time);
@@ -234,6 +229,14 @@ class LivePage extends ScenePage {
       const text = told(one, value, this.degrees ? degreesOf(one.unit) : null);
       if (cell.textContent !== text) cell.textContent = text;
     }
+  }
+
+  // Show this view, and offer all where that is more: at once, for the next key may come before the next picture.
+  showView(view) {
+    const all = allOf(this, view);
+    this.scene.view = { ...view, all };
+    this.scene.whole &&= Boolean(all);
+    this.offerAll();
   }
 
   announce() {
@@ -287,8 +290,8 @@ class LivePage extends ScenePage {
 
   fit() {
     if (!this.scene) return;
-    this.scene.view = fittedView(this);
     this.scene.whole = false;
+    this.showView(fittedView(this));
     this.arrows.fit(this.scene.actors);
     this.look(() => this.scene.fit());
   }

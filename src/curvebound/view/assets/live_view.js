@@ -54,9 +54,9 @@ function fittedView(page) {
   return { ...page.model.view, world: heldBox(all.world, first.world), frame: heldBox(all.frame, first.frame) };
 }
 
-// What "See all" shows; undefined where nothing has left the drawing.
-function allOf(page) {
-  const { view } = page.scene, all = boxesOf(page, true);
+// What "See all" shows; undefined where nothing has left what the view shows.
+function allOf(page, view) {
+  const all = boxesOf(page, true);
   const within = (box, shown) => box.every((end, k) => (k < 2 ? end >= shown[k] : end <= shown[k]));
   return within(all.world, view.world) && within(all.frame, view.frame) ? undefined : all;
 }
