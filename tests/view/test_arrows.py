@@ -172,7 +172,12 @@ def test_keys_draw_arrows_to_scale(tab: Tab, page: Path) -> None:
     assert np.hypot(*along) == pytest.approx(length - min(9, 0.6 * length), abs=0.5)
     assert key[0][0] == 12
     assert key[0][1] > tab.run("curvebound.scene.height") > height - 40
-    assert tab.run("document.getElementById('spoken').textContent") == "arrows: velocity"
+    # not overwritten by what is to be said of the time once the page rests
+    said = "document.getElementById('spoken').textContent"
+    assert tab.run(said) == "arrows: velocity"
+    tab.run("curvebound.announce(1); curvebound.nextArrows()")
+    heard = tab.run(f"new Promise((r) => setTimeout(() => r({said}), 600))")
+    assert heard == "arrows: constraint force"
 
 
 def test_a_long_arrow_is_cut_and_says_so(tab: Tab, page: Path) -> None:

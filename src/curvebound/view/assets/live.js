@@ -159,7 +159,7 @@ class LivePage extends ScenePage {
 
   tellHint(text) {
     get("hint").textContent = text;
-    get("spoken").textContent = text;
+    this.say(text);
   }
 
   // ---- time -------------------------------------------------------------------------------
@@ -243,7 +243,7 @@ class LivePage extends ScenePage {
     clearTimeout(this.saying);
     this.saying = setTimeout(() => {
       const parts = this.cells.slice(0, 4).map(({ name, cell }) => `${name} ${cell.textContent}`);
-      get("spoken").textContent = `${this.time.toFixed(2)} seconds. ${parts.join(", ")}`;
+      this.say(`${this.time.toFixed(2)} seconds. ${parts.join(", ")}`);
     }, 400);
   }
 

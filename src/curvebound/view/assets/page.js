@@ -78,7 +78,13 @@ class ScenePage {
     this.arrows.next();
     this.showArrows();
     const names = [...this.arrows.shown].map(({ name }) => name).join(", ");
-    get("spoken").textContent = `arrows: ${names || "none"}`;
+    this.say(`arrows: ${names || "none"}`);
+  }
+
+  // Tells a screen reader at once; what it was to be told later would hide it.
+  say(text) {
+    clearTimeout(this.saying);
+    get("spoken").textContent = text;
   }
 
   toggleDegrees() {

@@ -99,7 +99,7 @@ class Page extends ScenePage {
     clearTimeout(this.saying);
     this.saying = setTimeout(() => {
       const parts = this.cells.slice(0, 4).map(({ name, cell }) => `${name} ${cell.textContent}`);
-      get("spoken").textContent = `${this.timeText(time)} seconds. ${parts.join(", ")}`;
+      this.say(`${this.timeText(time)} seconds. ${parts.join(", ")}`);
     }, 400);
   }
 
