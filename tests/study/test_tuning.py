@@ -129,8 +129,13 @@ def test_a_budget_that_cannot_be_kept_is_said(short: Tuner) -> None:
 
 
 @pytest.mark.slow
-def test_continuous_control_asks_for_a_shorter_macro_step() -> None:
+@pytest.mark.parametrize("slopes", [False, True])
+def test_continuous_control_asks_for_a_shorter_macro_step_or_for_slopes(
+    monkeypatch: pytest.MonkeyPatch, slopes: bool
+) -> None:
     """Held over 10 ms, the law is off by 4e-3 of what it would do all the time."""
+    if not slopes:
+        monkeypatch.setattr("curvebound.study.grid.has_slopes", lambda _: False)
     scene = load_scene("active_damping")
     scene.stop_time = 1.0
     tuner = Tuner(scene, list(scene.needs.errors), continuous=True, starts=4)
@@ -141,7 +146,9 @@ def test_continuous_control_asks_for_a_shorter_macro_step() -> None:
     assert loose.chosen is not None
     assert loose.chosen.setting.step == scene.step
     assert tight.chosen is not None
-    assert tight.chosen.setting.step < 0.3 * scene.step
+    setting = tight.chosen.setting
+    assert setting.hold == ("first" if slopes else "zero")
+    assert setting.step == scene.step if slopes else setting.step < 0.3 * scene.step
     assert max(v.worst for v in tight.chosen.verdicts.values()) <= 1e-3
 
 
