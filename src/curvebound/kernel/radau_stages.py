@@ -170,8 +170,8 @@ class Stages:
         self.round_off(rounding)
         return True
 
-    def round_off(self, rounding: Rounding) -> None:
-        """Find what rounding makes of the accelerations of the present stages."""
+    def sizes(self, rounding: Rounding) -> tuple[float, float, float, float]:
+        """The largest coordinates, so far and at the stages, and the largest rates there."""
         x0 = rounding.size0
         x1 = rounding.size1
         w0 = w1 = 0.0
@@ -180,6 +180,11 @@ class Stages:
             x1 = max(x1, math.fabs(self.x1[i]))
             w0 = max(w0, math.fabs(self.w0[i]))
             w1 = max(w1, math.fabs(self.w1[i]))
+        return x0, x1, w0, w1
+
+    def round_off(self, rounding: Rounding) -> None:
+        """Find what rounding makes of the accelerations of the present stages."""
+        x0, x1, w0, w1 = self.sizes(rounding)
         s = self.slopes
         noise0 = (s[0] * x0 + s[1] * x1) + (s[2] * w0 + s[3] * w1)
         noise1 = (s[4] * x0 + s[5] * x1) + (s[6] * w0 + s[7] * w1)
@@ -197,14 +202,7 @@ class Stages:
         left = self.left
         a = self.a
         b = self.b
-        x0 = rounding.size0
-        x1 = rounding.size1
-        y0 = y1 = 0.0
-        for i in range(STAGES):
-            x0 = max(x0, math.fabs(self.x0[i]))
-            x1 = max(x1, math.fabs(self.x1[i]))
-            y0 = max(y0, math.fabs(self.w0[i]))
-            y1 = max(y1, math.fabs(self.w1[i]))
+        x0, x1, y0, y1 = self.sizes(rounding)
         if not self.factorise(model, t, h):
             return
         noise0 = noise1 = 0.0
