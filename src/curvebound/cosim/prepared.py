@@ -20,6 +20,7 @@ from .resolution import resolve
 from .results import Result, RunFailed, RunInterrupted
 from .scene_data import SceneData
 from .schedule import Schedule
+from .system import port_of
 
 __all__ = ["Prepared"]
 
@@ -191,7 +192,7 @@ class Prepared:
     def _start_values(self, extra: Mapping[str, Value]) -> dict[str, dict[str, Value]]:
         values = {name: dict(node.start) for name, node in self.system.nodes.items()}
         for path, given in extra.items():
-            name, _, variable = path.partition(".")
+            name, variable = port_of(path)
             node = self.system.nodes.get(name)
             known = None if node is None else node.fmu.variables.get(variable)
             if known is None or not known.is_settable_start:

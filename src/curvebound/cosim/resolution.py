@@ -14,7 +14,7 @@ from .ordering import Ordering
 from .scene_data import SceneData
 from .scene_parts import ALGORITHMS, HOLDS, Component
 from .signals import Signal, signal
-from .system import Link, Node, Port, System
+from .system import Link, Node, Port, System, port_of
 from .system import path_of as _path
 
 __all__ = ["resolve"]
@@ -158,7 +158,7 @@ class _Resolution:
 
     def _port(self, path: str, what: str, fits: Callable[[Variable], bool]) -> Port | None:
         """The variable at `path` if it is `what`; otherwise None, and a problem is noted."""
-        name, _, variable = path.partition(".")
+        name, variable = port_of(path)
         node = self.nodes.get(name)
         if node is None:
             self.problems.append(

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...cosim.points import communication_times
+from ...cosim.system import port_of
 from ...errors import CurveboundError
 from .equations import Array, Equations, Witness, system_of
 
@@ -257,10 +258,10 @@ class Monolith:
         result = {}
         try:
             for path in paths:
-                name, _, variable = path.partition(".")
+                port = name, variable = port_of(path)
                 part = self.parts[name]
-                if (name, variable) in self.held:
-                    value = self.held[(name, variable)]
+                if port in self.held:
+                    value = self.held[port]
                 else:
                     inputs = _Inputs(self, part, at, states)
                     found = part.equations.outputs(
