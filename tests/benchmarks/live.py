@@ -75,6 +75,7 @@ def run(options: argparse.Namespace) -> int:
     if program is None:
         raise CurveboundError("Chromium is missing: `bash .ci/browser` installs it.")
     table = Table("scene", *(aim.words for aim in AIMS), box=None)
+    table.columns[0].no_wrap = True
     missed = False
     with tempfile.TemporaryDirectory() as folder:
         browser = Browser(program, Path(folder) / "profile")
