@@ -175,7 +175,7 @@ def test_dragging_pulls_through_the_inputs(
     tab.wait("curvebound.grips.pulling")
     tab.run("curvebound.toggle()")
     (session,) = serving.live.sessions
-    force = session.driven["plant.pendulum.fx"]
+    force = session.runs.first.driven["plant.pendulum.fx"]
     serving.wait(lambda: force.held(1e9) > 1.0)
     if mobile:
         tab.touch("touchEnd")
@@ -194,7 +194,7 @@ def test_arrow_keys_pull_what_is_ringed(tab: Tab, live: Callable[[str], Serving]
     tab.key("g")
     assert "arrows pull bob of plant" in tab.run("document.getElementById('hint').textContent")
     (session,) = serving.live.sessions
-    force = session.driven["plant.pendulum.fx"]
+    force = session.runs.first.driven["plant.pendulum.fx"]
     tab.hold("ArrowLeft", down=True)
     serving.wait(lambda: force.held(1e9) < -1.0)
     tab.hold("ArrowLeft", down=False)

@@ -55,7 +55,7 @@ def test_speed(plan_of: PlanOf, speed: float) -> None:
         assert page.session.reached == pytest.approx(2.0 * speed, abs=0.011)
         page.send("speed", value=1e6)
         page.send("speed", value=-1)
-        assert page.session.speed == 0.1
+        assert page.session.pace.speed == 0.1
 
 
 def test_single_steps_and_reset(plan_of: PlanOf) -> None:
@@ -207,7 +207,7 @@ def test_the_page_is_told_what_acts(plan_of: PlanOf) -> None:
             assert force == (3.0 if time >= since else 0.0), time
         page.send("pull", grip=bob, x=1.0, y=1.0)
         page.pictures(10)
-        driven = page.session.driven
+        driven = page.session.runs.first.driven
         assert page.acting[-1]["plant.pendulum.fy"] != 0.0
         for path, value in page.acting[-1].items():
             assert value == driven[path](page.rows[0][-1][0])
@@ -222,10 +222,10 @@ def test_a_body_follows_the_hand(plan_of: PlanOf) -> None:
             page.pictures()
         # in the spring's pull, not exactly there: the bob has its weight
         assert abs(page.value("plant.pendulum.x") - 0.6) < 0.3
-        assert page.session.driven["plant.pendulum.fx"].held(page.session.reached) != 0.0
+        assert page.session.runs.first.driven["plant.pendulum.fx"].held(page.session.reached) != 0.0
         page.send("release")
         page.pictures(3)
-        assert page.session.driven["plant.pendulum.fx"].held(page.session.reached) == 0.0
+        assert page.session.runs.first.driven["plant.pendulum.fx"].held(page.session.reached) == 0.0
         assert page.state["undo"] == 1, "one pull is one change"
         page.send("pull", grip=99, x=0, y=0)
         page.send("pull", grip=0.5, x=0, y=0)
@@ -251,9 +251,9 @@ def test_a_frame_stays_where_it_was_put(plan_of: PlanOf, name: str) -> None:
         assert page.value("bead.wire.x") == pytest.approx(at, abs=1e-12)
         if name == "shaken_wire":  # the scene's own motion is as it was
             assert abs(page.value("bead.wire.y")) < 0.2
-        changes = len(page.session.driven["bead.wire.ax"].changes)
+        changes = len(page.session.runs.first.driven["bead.wire.ax"].changes)
         page.pictures(60)
-        assert len(page.session.driven["bead.wire.ax"].changes) == changes
+        assert len(page.session.runs.first.driven["bead.wire.ax"].changes) == changes
 
 
 def test_a_variant_beside(plan_of: PlanOf, instances: list[Instance]) -> None:
@@ -324,7 +324,7 @@ def test_settings_restart_and_what_fails_changes_nothing(plan_of: PlanOf) -> Non
         assert len(page.said("error")) == 6
         page.send("original")
         page.pictures(2)
-        assert page.session.settings == {}
+        assert page.session.runs.first.settings == {}
 
 
 def test_a_step_that_fails_is_said_and_undone(plan_of: PlanOf) -> None:
@@ -388,7 +388,7 @@ def test_a_recording_replays_bit_for_bit(tmp_path: Path, algorithm: str, hold: s
         page.pictures(3)
         page.send("pause")
         page.pictures(2)
-        saved = recording(page.session, tmp_path)()
+        saved = recording(page.session.runs, tmp_path)()
         assert saved.exact
         assert saved.scene == tmp_path / "swaying_parabola_live_1.py"
         table = read_csv(saved.result)
@@ -402,7 +402,7 @@ def test_a_recording_replays_bit_for_bit(tmp_path: Path, algorithm: str, hold: s
         again = load_scene(saved.scene).with_variant("light").run()
         found = [float(again[name][-1]) for name in names]
         assert np.array_equal(found, page.rows[1][-1][1:])
-        assert recording(page.session, tmp_path)().scene.name == "swaying_parabola_live_2.py"
+        assert recording(page.session.runs, tmp_path)().scene.name == "swaying_parabola_live_2.py"
 
 
 @pytest.mark.parametrize("name", ["inverted_balance", "shaken_wire", "vibrated_upright"])
@@ -419,7 +419,7 @@ def test_what_the_scene_drives_is_recorded_too(plan_of: PlanOf, name: str, tmp_p
             page.pictures()
         page.send("release")
         page.pictures(30)
-        saved = recording(page.session, tmp_path)()
+        saved = recording(page.session.runs, tmp_path)()
         assert saved.exact
         assert len(read_csv(saved.result)) > 100
 
@@ -429,7 +429,8 @@ def test_a_hand_has_its_limit(plan_of: PlanOf) -> None:
         page.send("play")
         page.send("pull", grip=0, x=1e6, y=1e9)
         page.pictures(20)
-        held = [page.session.driven[f"bead.bead.{name}"].held(1e9) for name in ("fx", "fy")]
+        driven = page.session.runs.first.driven
+        held = [driven[f"bead.bead.{name}"].held(1e9) for name in ("fx", "fy")]
         assert math.hypot(*held) == pytest.approx(50.0)  # N on 1 kg
         assert page.state["alive"]
 
@@ -439,7 +440,7 @@ def test_nothing_to_record_is_said(plan_of: PlanOf, tmp_path: Path) -> None:
         opened(plan_of("bead_on_wire")) as page,
         pytest.raises(Exception, match="Nothing has moved"),
     ):
-        recording(page.session, tmp_path)
+        recording(page.session.runs, tmp_path)
 
 
 def test_an_hour_of_changes_keeps_little(plan_of: PlanOf) -> None:

@@ -21,7 +21,7 @@ from ...cosim.system import System, port_of
 from ...errors import CurveboundError
 from ...files import inside, write_whole
 from .driven import Driven
-from .session import Session
+from .runs import Runs
 
 __all__ = ["Recorded", "recording"]
 
@@ -34,13 +34,13 @@ class Recorded(NamedTuple):
     exact: bool
 
 
-def recording(session: Session, folder: Path) -> Callable[[], Recorded]:
-    """What saves the run of a session from the start to here into `folder`.
+def recording(runs: Runs, folder: Path) -> Callable[[], Recorded]:
+    """What saves the first of the runs from the start to here into `folder`.
 
-    It may be called later, in another thread: it does not touch the session any more. Raises
+    It may be called later, in another thread: it does not touch the runs any more. Raises
     CurveboundError where nothing has been stepped, or the run has failed.
     """
-    first = session.first
+    first = runs.first.stepped
     start = first.scene.start_time
     if not first.alive:
         raise CurveboundError("The run has failed: take the last change back before you save it.")
@@ -48,24 +48,24 @@ def recording(session: Session, folder: Path) -> Callable[[], Recorded]:
         raise CurveboundError("Nothing has moved yet: let it run before you save it.")
     scene = first.scene.copy(f"{first.scene.name}_live")
     scene.stop_time = first.time
-    scene.variants = _variant(session)
+    scene.variants = _variant(runs)
     done = _Done(
         scene=scene,
         system=first.system,
-        driven={path: one.copy() for path, one in session.driven.items()},
+        driven={path: one.copy() for path, one in runs.first.driven.items()},
         last=first.row().copy(),
         columns=list(first.columns),
     )
     return lambda: done.save(folder)
 
 
-def _variant(session: Session) -> dict[str, dict[str, Value]]:
+def _variant(runs: Runs) -> dict[str, dict[str, Value]]:
     """The run beside, as a variant of the first: what only the first has set goes back."""
-    if session.beside is None:
+    beside = runs.beside
+    if beside is None:
         return {}
-    label, settings = session.beside
-    given = session.plan.given
-    return {label: {**{path: given(path) for path in session.settings}, **settings}}
+    given = {path: runs.plan.given(path) for path in runs.first.settings}
+    return {beside.label: {**given, **beside.settings}}
 
 
 @dataclass

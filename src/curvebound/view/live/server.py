@@ -130,7 +130,7 @@ class Live:
 
     async def _save(self, session: Session) -> None:
         try:
-            save = recording(session, self._folder)
+            save = recording(session.runs, self._folder)
             async with self._saving:
                 made = await asyncio.to_thread(save)
         except (CurveboundError, OSError) as error:

@@ -1,12 +1,14 @@
-"""The spring by which a hand pulls a body, or the frame, through the inputs of its FMU."""
+"""The springs by which a hand pulls a body, or the frame, through the inputs of its FMU."""
 
 from __future__ import annotations
 
 import math
+from copy import copy
 
+from ...cosim.stepwise import Stepwise
 from .controls import Grip
 
-__all__ = ["Spring"]
+__all__ = ["Hand", "Spring"]
 
 _RATE = 2.0 * math.pi  # rad/s: a free body follows the hand within half a second
 _DAMPING = 0.6  # of the critical
@@ -66,3 +68,60 @@ class Spring:
         self._last = math.hypot(*self._speed) < _STILL
         rate = 1.0 / size if self._last else self._rate
         self.acting = (-rate * self._speed[0], -rate * self._speed[1])
+
+
+class Hand:
+    """Pulls at one grip at a time; a frame that it has let go is still brought to rest.
+
+    step: the macro step in s.
+    """
+
+    def __init__(self, step: float) -> None:
+        self._step = step
+        self._springs: list[Spring] = []
+
+    def holds(self, grip: Grip) -> bool:
+        """Whether it pulls there."""
+        return any(spring.held and spring.grip is grip for spring in self._springs)
+
+    def pull(self, grip: Grip, target: tuple[float, float]) -> None:
+        """Pull there, towards a point in m, and nowhere else."""
+        self.release()
+        spring = next((one for one in self._springs if one.grip is grip), None)
+        if spring is None:
+            spring = Spring(grip, self._step)
+            self._springs.append(spring)
+        spring.held = True
+        spring.target = target
+
+    def release(self) -> None:
+        """Pull no more."""
+        for spring in self._springs:
+            spring.let_go()
+
+    def copy(self) -> Hand:
+        """An independent one that does the same."""
+        other = Hand(self._step)
+        other._springs = [copy(spring) for spring in self._springs]
+        return other
+
+    def forces(self, stepped: Stepwise) -> dict[str, float]:
+        """What it adds to inputs, by path, from the next communication point of a run on."""
+        added: dict[str, float] = {}
+        for spring in self._springs:
+            grip = spring.grip
+            position = _now(stepped, grip.component, grip.position)
+            velocity = _now(stepped, grip.component, grip.velocity) if grip.velocity else (0.0, 0.0)
+            strained = spring.advance(position, velocity, stepped.size)
+            for name, value in zip(grip.inputs, strained, strict=True):
+                path = f"{grip.component}.{name}"
+                added[path] = added.get(path, 0.0) + value
+        self._springs = [one for one in self._springs if not one.over]
+        return added
+
+
+def _now(stepped: Stepwise, component: str, names: tuple[str, str]) -> tuple[float, float]:
+    """Two outputs of a component at the present communication point."""
+    row = stepped.row()
+    x, y = (row[1 + stepped.columns.index(f"{component}.{name}")] for name in names)
+    return float(x), float(y)
