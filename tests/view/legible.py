@@ -42,6 +42,8 @@ _FAINT = """(() => {
   return found;
 })()"""
 
+#: the pictures of a page, without those of the theme that is not shown
+SHOWN = "[...document.images].filter((image) => image.getClientRects().length)"
 #: each way of looking at a page: width, height, dark
 VIEWS = [(1280, 900, False), (1280, 900, True), (390, 844, False), (390, 844, True)]
 
@@ -66,6 +68,25 @@ def look(tab: Tab, page: Path, view: tuple[int, int, bool]) -> None:
     assert tab.run("getComputedStyle(document.body).backgroundColor") == (
         "rgb(13, 17, 23)" if dark else "rgb(243, 245, 248)"
     )
+    by_system = _seen(tab)
+    tab.dark(not dark)
+    assert _seen(tab) != by_system
+    choose(tab, "dark" if dark else "light")
+    assert _seen(tab) == by_system, "by choice the page is what it is by the system's scheme"
+
+
+def choose(tab: Tab, theme: str) -> None:
+    """Press one of the buttons that choose the theme of a page: light or dark."""
+    tab.run(f"document.querySelector('#theme-{theme}').click()")
+
+
+def _seen(tab: Tab) -> bytes:
+    """The whole page but for these buttons, with its pictures loaded."""
+    tab.run("document.querySelector('.themes').style.visibility = 'hidden'")
+    tab.run(f"{SHOWN}.forEach((image) => image.scrollIntoView())")
+    tab.run(f"Promise.all({SHOWN}.map((image) => image.decode()))")
+    tab.run("scrollTo(0, 0)")
+    return tab.picture(whole=True)
 
 
 def boxes(tab: Tab, selector: str) -> list[dict[str, Any]]:

@@ -21,6 +21,7 @@ from ..numbers import plain
 
 __all__ = [
     "NARROW",
+    "THEMES",
     "Html",
     "common_style",
     "document",
@@ -37,6 +38,13 @@ __all__ = [
 
 #: behind the name of a drawing that is for narrow screens
 NARROW = "_narrow"
+#: at the top of a page without a script: whoever reads it chooses its colours, see common.css
+THEMES = (
+    '<p class="themes" role="radiogroup" aria-label="Colours">'
+    '<label><input type="radio" name="theme" checked>Auto</label>'
+    '<label><input type="radio" name="theme" id="theme-light">Light</label>'
+    '<label><input type="radio" name="theme" id="theme-dark">Dark</label></p>\n'
+)
 
 
 class Html(str):
@@ -86,7 +94,7 @@ def report(title: str, body: str, footer: str = "") -> str:
     """A page to read, with drawings, tables and figures; body and footer are HTML."""
     style = common_style() + (files(__package__) / "report.css").read_text(encoding="utf-8")
     end = f"\n<footer>{footer}</footer>" if footer else ""
-    return document(title, body + end, style=style, drawings=True)
+    return document(title, THEMES + body + end, style=style, drawings=True)
 
 
 def common_style() -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import quote
 
-from ..pages import common_style, document, filled, write_page
+from ..pages import THEMES, common_style, document, filled, write_page
 from .asset_files import asset
 from .picture import dark_of
 
@@ -56,7 +56,7 @@ def write_gallery(
         },
     )
     style = common_style() + asset("gallery.css")
-    return write_page(out, document(title, body, style=style))
+    return write_page(out, document(title, THEMES + body, style=style))
 
 
 def _card(card: Card, out: Path) -> str:
@@ -64,12 +64,18 @@ def _card(card: Card, out: Path) -> str:
     main = next((path for path in card.links.values() if path.exists()), None)
     picture = ""
     if card.picture and card.picture.exists():
-        source = _address(card.picture, out)
-        image = f'<img src="{source}" alt="{said(_alternative(card))}" loading="lazy">'
-        if (dark := dark_of(card.picture)).exists():
-            at = f'srcset="{_address(dark, out)}" media="(prefers-color-scheme: dark)"'
-            image = f"<picture><source {at}>{image}</picture>"
-        picture = f'<a href="{_address(main, out)}" tabindex="-1">{image}</a>' if main else image
+        dark = dark_of(card.picture)
+        variants = {"on-light": card.picture, "on-dark": dark}
+        if not dark.exists():
+            variants = {"on-white": card.picture}
+        # those that are not shown are not loaded
+        picture = "".join(
+            f'<img class="{kind}" src="{_address(path, out)}" alt="{said(_alternative(card))}" '
+            'loading="lazy">'
+            for kind, path in variants.items()
+        )
+        if main:
+            picture = f'<a href="{_address(main, out)}" tabindex="-1">{picture}</a>'
     rows = [*card.settings.items()]
     rows += [(name, value) for name, value in (("error", card.error), ("cost", card.cost)) if value]
     table = "".join(f"<dt>{said(name)}</dt><dd>{said(value)}</dd>" for name, value in rows)
