@@ -8,6 +8,7 @@ import pydoc
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -85,3 +86,38 @@ def test_a_scene_without_bounds_is_told_so() -> None:
     scene.needs.errors = {}
     with pytest.raises(curvebound.CurveboundError, match="give bounds"):
         curvebound.tune(scene)
+
+
+class Noting:
+    """A tuner that tells what it was made with and asked for."""
+
+    made: ClassVar[list[Any]] = []
+
+    def __init__(self, scene: Any, outputs: Any, **settings: Any) -> None:
+        self.made[:] = [outputs, settings]
+
+    def tune(self, bounds: Any, *, budget: float | None) -> Any:
+        return bounds, budget
+
+    def close(self) -> None:
+        self.made.append("closed")
+
+
+def test_tune_asks_for_what_was_given_or_what_the_scene_needs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("curvebound.api.Tuner", Noting)
+    scene = curvebound.load_scene("bead_on_wire")
+    scene.needs.errors = {"bead.bead.x": 1e-3, "bead.bead.y": 0.0}
+    scene.needs.budget = 0.5
+    assert curvebound.tune(scene) == ({"bead.bead.x": 1e-3}, 0.5)
+    settings = {"continuous": False, "frame_rate": None, "limit": 5.0, "keep": None}
+    assert Noting.made == [["bead.bead.x"], settings, "closed"]
+    assert curvebound.tune(scene, {"bead.bead.y": 2.0}, budget=0.0) == ({"bead.bead.y": 2.0}, 0.0)
+    every, budget = curvebound.tune(scene, 1e-2, continuous=True, frame_rate=30.0, limit=1.0)
+    assert budget == 0.5
+    assert Noting.made[1] == settings | {"continuous": True, "frame_rate": 30.0, "limit": 1.0}
+    assert set(every.values()) == {1e-2}
+    assert {"bead.bead.x", "bead.bead.y"} <= set(every)
+    scene.needs.budget = None
+    assert curvebound.tune(scene)[1] is None

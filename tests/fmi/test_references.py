@@ -10,8 +10,9 @@ import fmpy
 import numpy as np
 import pytest
 
-from curvebound.fmi.cross_check import write_cross_check
+from curvebound.fmi.cross_check import _bounds, write_cross_check
 from curvebound.fmi.folder import find
+from curvebound.fmi.reference import ReferenceResult
 
 NAMES = ("BeadOnWire", "ParabolaDrive", "ParabolaPendulum")
 
@@ -77,3 +78,12 @@ def test_the_folder_states_the_order_and_how_to_run_it(folder: Path) -> None:
     assert "Start values are the FMU's defaults" in text
     call = re.search(r"fmpy\.simulate_fmu\((.*)\)", text)
     assert call is not None
+
+
+def test_a_bound_is_ten_times_the_error_of_the_usual_settings() -> None:
+    """And no less than rounding of the largest value, which counts as 1 at least."""
+    times = [0.0, 1.0]
+    exact = {"time": times, "a": [1.0, -2.0], "b": [30.0, -400.0], "c": [1e-3, 0.0]}
+    usual = {"time": [0.0, 9.0], "a": [1.5, -1.25], "b": [30.0, -400.0], "c": [1e-3, 0.0]}
+    found = _bounds(ReferenceResult({}, exact), ReferenceResult({}, usual))
+    assert found == {"a": 7.5, "b": pytest.approx(4e-10), "c": 1e-12}

@@ -87,9 +87,12 @@ class Campaign:
                     if any(words in str(mutant) for words in self.chosen.only or [""])
                 )
             verdicts = (KILLED, HUNG, SURVIVED, UNSEEN, INVALID)
-            print(f"\nseed {seed}\n{'room':12}" + "".join(f"{v:>10}" for v in verdicts))
+            columns = ("drawn", *verdicts, "noticed")
+            print(f"\nseed {seed}\n{'room':12}" + "".join(f"{name:>10}" for name in columns))
             for room, count in counts.items():
-                print(f"{room:12}" + "".join(f"{count[v]:10}" for v in verdicts), flush=True)
+                share = (count[KILLED] + count[HUNG]) / max(1, count.total() - count[INVALID])
+                row = "".join(f"{n:10}" for n in (count.total(), *(count[v] for v in verdicts)))
+                print(f"{room:12}{row}{share:10.0%}", flush=True)
         return True
 
     def _tried(self, mutant: Mutant) -> str:

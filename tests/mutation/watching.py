@@ -31,7 +31,7 @@ patch = subprocess
 disable_warnings = no-data-collected,module-not-imported,couldnt-parse
 """
 
-LONGEST = 60  # s that a test may take, watched, to be of use
+LONGEST = 20  # s that a test may take, watched, to be of use
 
 _seconds: dict[str, float] = {}
 #: tests that failed, were skipped or took too long

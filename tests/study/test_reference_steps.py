@@ -130,3 +130,69 @@ def test_workers_get_more_points_the_quicker_they_are(monkeypatch: pytest.Monkey
     worker.pipe = Pipe("it cannot be")  # type: ignore[assignment]
     with pytest.raises(CurveboundError, match="it cannot be"):
         pool._hear(worker)
+
+
+def polynomial(factor: float) -> Any:
+    """y' = factor t^2: of one step from 0 the last Legendre coefficients are 1/2 and 1/6 of it."""
+    return lambda times, states: factor * times**2 + 0 * states
+
+
+@pytest.mark.parametrize(
+    ("error", "first", "ratio"),
+    [
+        (1e-6, 1.0, 1.5),  # never more than that at once
+        (0.3, 1.0, 0.9 * (1 / 0.3) ** (1 / 3)),
+        (3.0, 1.0, 0.9 * (1 / 3.0) ** (1 / 3)),
+        (9.0, 1.0, 0.5),  # nor less, where the step is good enough
+        (11.0, 0.7, 0.9 * (1 / (11.0 * 0.7**3)) ** (1 / 3)),
+        (100.0, 0.9 * 0.1 ** (1 / 3), None),
+        (2000.0, 0.2 * 0.7, None),
+    ],
+)
+def test_collocation_chooses_steps_by_the_order(
+    error: float, first: float, ratio: float | None
+) -> None:
+    """error: of a step of the wished size, 1/16 s, in units of what is allowed."""
+    h, dense = 0.0625, 1e-9
+    end = 4 * h if ratio else 1.5 * h
+    found = collocation.Trajectory(0.0, np.array([[1e3]], dtype=Number))
+    factor = error * dense * (1e3 + 1e-3) / (0.5 * h**2) / h
+    collocation.collocate(polynomial(factor), 0.0, end, found, nodes=3, size=h, dense=dense)
+    sizes = [float(size) / h for size in found._sizes]
+    assert sizes[0] == pytest.approx(first, rel=1e-9)
+    if ratio is not None:
+        assert sizes[1] / sizes[0] == pytest.approx(ratio, rel=1e-9)
+    assert found.final[0, 0] == pytest.approx(1e3 + factor * end**3 / 3, rel=1e-15)
+
+
+@pytest.mark.parametrize(("size", "sizes"), [(0.71, [1.0]), (0.69, [0.69, 0.31])])
+def test_collocation_leaves_no_short_rest(size: float, sizes: list[float]) -> None:
+    found = collocation.Trajectory(0.0, np.array([[1.0]], dtype=Number))
+    collocation.collocate(polynomial(1e-3), 0.0, 1.0, found, nodes=6, size=size)
+    assert [float(x) for x in found._sizes] == pytest.approx(sizes, rel=1e-12)
+
+
+def test_collocation_takes_a_quarter_of_a_step_that_does_not_converge(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried = []
+    step = collocation._step
+
+    def failing(rates: Any, time: Any, h: Any, *rest: Any) -> Any:
+        tried.append(float(h))
+        return None if len(tried) < 3 else step(rates, time, h, *rest)
+
+    monkeypatch.setattr(collocation, "_step", failing)
+    found = collocation.Trajectory(0.0, np.array([[1.0]], dtype=Number))
+    collocation.collocate(polynomial(1e-3), 0.0, 1.0, found, nodes=6, size=0.5)
+    assert tried[:3] == [0.5, 0.125, 0.03125]
+
+
+@pytest.mark.parametrize(
+    ("rate", "h", "scale"),
+    [(2.0, 0.5, 3.001), (8.0, 0.5, 4.001), (-8.0, 0.5, 4.001), (8.0, 0.25, 3.001)],
+)
+def test_errors_are_judged_by_state_or_change(rate: float, h: float, scale: float) -> None:
+    state = np.array([[-3.0]], dtype=Number)
+    rates = np.array([[[0.0], [rate], [1.0]]], dtype=Number)
+    assert float(collocation._scale(state, rates, Number(h))[0, 0]) == pytest.approx(scale)

@@ -9,13 +9,17 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from curvebound.errors import CurveboundError
 from curvebound.study.sweep import Design, Metric, Sweep, axis
+from curvebound.study.sweep.cluster import run_on_cluster
 from curvebound.study.sweep.local import _Pool
+from curvebound.study.sweep.task import run_points
 
 DAMPING = "bead.bead.damping=0:1:{}"
 METRICS = ["final(bead.bead.y)", "max(abs(bead.bead.x))"]
@@ -308,3 +312,80 @@ def test_rows_that_others_have_lost_are_missed(tmp_path: Path, loss: str) -> Non
 
     with pytest.raises(CurveboundError, match=r"a\.csv"):
         sweep().run(out, workers=1, progress=lose)
+
+
+class Cluster:
+    """A client of a scheduler without processes: workers die on the points in `deadly`."""
+
+    def __init__(self, threads: int, deadly: tuple[int, ...] = (), error: Exception | None = None):
+        self.threads = threads
+        self.deadly = deadly
+        self.error = error or RuntimeError("no memory")
+        self.sent: list[list[int]] = []
+
+    def nthreads(self) -> dict[str, int]:
+        return {"one": self.threads - self.threads // 2, "two": self.threads // 2}
+
+    def submit(self, run: Any, task: Any, chunk: Any, *, pure: bool, retries: int) -> Any:
+        assert (run, pure, retries) == (run_points, False, 2)
+        numbers = [number for number, _ in chunk]
+        self.sent.append(numbers)
+        return Answer(self, numbers)
+
+
+class Answer:
+    def __init__(self, client: Cluster, numbers: list[int]) -> None:
+        self.numbers = numbers
+        self.error = client.error
+        self.status = "error" if set(numbers) & set(client.deadly) else "finished"
+
+    def exception(self) -> Exception:
+        return self.error
+
+    def result(self) -> list[Any]:
+        return [(number, [1.0], "") for number in self.numbers]
+
+
+class Completed(list[Any]):
+    """What distributed.as_completed gives, in the order of sending."""
+
+    def add(self, future: Any) -> None:
+        self.append(future)
+
+
+@pytest.fixture
+def completing(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = SimpleNamespace(as_completed=Completed)
+    monkeypatch.setitem(sys.modules, "distributed", module)
+
+
+@pytest.mark.parametrize(
+    ("threads", "count", "longest"),
+    [(1, 5, 1), (1, 12, 1), (1, 23, 1), (1, 24, 2), (3, 144, 4), (1, 768, 64), (1, 5000, 64)],
+)
+@pytest.mark.usefixtures("completing")
+def test_chunks_for_a_cluster_are_a_twelfth_of_a_workers_share(
+    threads: int, count: int, longest: int
+) -> None:
+    client = Cluster(threads)
+    points = [(number, {}) for number in range(count)]
+    rows = list(run_on_cluster(SimpleNamespace(metrics=("x",)), points, client))
+    assert [row[0] for chunk in rows for row in chunk] == list(range(count))
+    assert {len(chunk) for chunk in client.sent[:-1]} <= {longest}
+    assert 1 <= len(client.sent[-1]) <= longest
+
+
+@pytest.mark.usefixtures("completing")
+def test_points_on_which_workers_die_are_sent_alone() -> None:
+    client = Cluster(1, deadly=(5,))
+    points = [(number, {}) for number in range(36)]
+    task = SimpleNamespace(metrics=("x", "y"))
+    rows = [row for chunk in run_on_cluster(task, points, client) for row in chunk]
+    assert [numbers for numbers in client.sent if 5 in numbers] == [[3, 4, 5], [5]]
+    assert client.sent[12:] == [[3], [4], [5]]
+    assert sorted(row[0] for row in rows) == list(range(36))
+    failed = [row for row in rows if row[2]]
+    assert failed == [(5, [None, None], "the workers failed on it: RuntimeError: no memory")]
+    stopped = Cluster(1, deadly=(5,), error=CurveboundError("no such scene"))
+    with pytest.raises(CurveboundError, match="no such scene"):
+        list(run_on_cluster(task, points, stopped))

@@ -14,6 +14,8 @@ from curvebound.cli import main
 from curvebound.cosim import write_csv
 from curvebound.errors import CurveboundError, OutsideError
 from curvebound.view import Movie, write_frames, write_gif, write_mp4
+from curvebound.view.animation import _drawn
+from curvebound.view.stage import Cast
 
 Image = pytest.importorskip("PIL.Image")
 pytest.importorskip("matplotlib")
@@ -100,3 +102,21 @@ def test_the_options(tmp_path: Path) -> None:
         assert (made.size, made.n_frames, made.info["duration"]) == ((100, 100), 5, 50)
     assert len(list(frames.iterdir())) == 5
     assert main(["replay", csv, "--mp4", str(tmp_path / "a.mp4"), "--transparent"]) == 1
+
+
+def test_frames_show_the_moments_they_stand_for() -> None:
+    """From the first result on, with the way of the last 0.8 s, until the film's or run's end."""
+    results = bead(2.0, 0.01)
+    results["time"] += 0.5
+    for seconds, last in ((1.2, 1.7), (9.0, 2.5)):
+        shown = []
+        for figure in _drawn(Cast(results), Movie(seconds=seconds, rate=10, size=100)):
+            (axes,) = figure.axes
+            (trail,) = (line for line in axes.lines if line.get_alpha() == 0.45)
+            caption = next(text.get_text() for text in axes.texts if " s" in text.get_text())
+            shown.append((caption, len(trail.get_xdata()), trail.get_xdata()[-1]))
+        assert [caption for caption, *_ in shown] == [
+            f"{0.5 + k / 10:.1f} s" for k in range(round(10 * (last - 0.5)) + 1)
+        ]
+        assert [count for _, count, _ in shown[:10]] == [1, 11, 21, 31, 41, 51, 61, 71, 81, 81]
+        assert shown[7][2] == results["bead.bead.x"][70]
