@@ -154,4 +154,4 @@ def test_a_users_type_checker_sees_the_types(installed: Callable) -> None:
     right = installed("python", "-m", "mypy", "--strict", "-c", SCRIPT)
     assert right.returncode == 0, right.stdout
     wrong = installed("python", "-m", "mypy", "--strict", "-c", WRONG)
-    assert 'Argument 1 to "add" of "SceneData" has incompatible type "int"' in wrong.stdout
+    assert 'Argument 1 to "add" of "Scene" has incompatible type "int"' in wrong.stdout
