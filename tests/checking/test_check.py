@@ -11,7 +11,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from curvebound.checking.fmu import FmuCheck, Request
+from curvebound.checking.fmu import FmuCheck
+from curvebound.checking.request import Request
 from curvebound.checking.run import check
 from curvebound.cli import main
 

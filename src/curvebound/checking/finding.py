@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
 import time as clock
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-__all__ = ["FAILED", "PASSED", "SKIPPED", "Finding", "Report", "Skipped", "Wrong", "found"]
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "FAILED",
+    "PASSED",
+    "SKIPPED",
+    "Finding",
+    "Report",
+    "Skipped",
+    "Wrong",
+    "digest_of",
+    "found",
+]
 
 PASSED, FAILED, SKIPPED = "passed", "failed", "skipped"
 
@@ -63,3 +77,11 @@ def found(check: str, look: Callable[[], str]) -> Finding:
     except Skipped as why:
         outcome, text = SKIPPED, str(why)
     return Finding(check, outcome, text, round(clock.perf_counter() - began, 3))
+
+
+def digest_of(names: list[str], rows: NDArray[np.float64]) -> dict[str, str]:
+    """A hash of each column, by which two processes are compared."""
+    return {
+        name: hashlib.sha256(np.ascontiguousarray(column).tobytes()).hexdigest()
+        for name, column in zip(names, rows.T, strict=True)
+    }

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cosim.fmu import Fmu, Value, read_fmu
+from ..cosim.fmu import Value, read_fmu
 from ..cosim.instance import CallFailed, Ended
-from ..cosim.points import communication_times
 from ..errors import CurveboundError, nearest
-from .experiment import Experiment, Runner
-from .finding import FAILED, Finding, Skipped, Wrong, found
-from .reference import Distance, ReferenceTable, carried
+from .experiment import Runner
+from .finding import FAILED, Finding, Skipped, Wrong, digest_of, found
+from .reference import Distance
+from .request import Request
+from .subject import Subject
 
-__all__ = ["CHECKS", "FmuCheck", "Request", "digest_of"]
+__all__ = ["CHECKS", "FmuCheck"]
 
 Array = NDArray[np.float64]
 
@@ -32,25 +31,6 @@ _LESS = 0.75
 _SMALL = 0.03
 
 
-@dataclass
-class Request:
-    """How to check.
-
-    start: start values by variable; stop, step: s, in place of those of the FMU's DefaultExperiment
-    (1 s in 100 steps where it has none); reference, inputs: tables in place of those that it
-    carries; tolerance: error allowed to the reference, relative to the largest value of that unit;
-    most: largest absolute value allowed, by output.
-    """
-
-    start: dict[str, Value] = field(default_factory=dict)
-    stop: float | None = None
-    step: float | None = None
-    reference: Path | None = None
-    inputs: Path | None = None
-    tolerance: float = 1e-6
-    most: dict[str, float] = field(default_factory=dict)
-
-
 class FmuCheck:
     """All checks of the FMU at `path`; `findings` does one after the other."""
 
@@ -58,9 +38,7 @@ class FmuCheck:
         self.path = path
         self.request = request
         self.rows: Array | None = None  # of the default run
-        self._fmu: Fmu | None = None
-        self._runner: Runner | None = None
-        self._reference: ReferenceTable | None = None
+        self._described: Subject | None = None
         self._exactly: Distance | None = None
 
     def findings(self, begin: Callable[[str], None] = lambda name: None) -> Iterator[Finding]:
@@ -73,7 +51,7 @@ class FmuCheck:
             begin(name)
             finding = found(name, partial(self._look, name))
             yield finding
-            if finding.outcome == FAILED and (self._fmu is None or name == "simulation"):
+            if finding.outcome == FAILED and (self._described is None or name == "simulation"):
                 return
 
     def _look(self, name: str) -> str:
@@ -90,26 +68,36 @@ class FmuCheck:
     def digest(self) -> dict[str, str]:
         """A hash of each output of the default run, which is made where it was not yet."""
         if self.rows is None:
-            self._fmu = self._fmu or read_fmu(self.path)
+            self._described = self._described or Subject(read_fmu(self.path), self.request)
             self._simulation()
         assert self.rows is not None
-        return digest_of(self._runs().names, self.rows)
+        return digest_of(self._runner.names, self.rows)
+
+    @property
+    def _subject(self) -> Subject:
+        assert self._described is not None
+        return self._described
+
+    @property
+    def _runner(self) -> Runner:
+        return self._subject.runner
 
     # the checks, in the order of CHECKS
 
     def _description(self) -> str:
         from fmpy.validation import validate_fmu
 
-        self._fmu = read_fmu(self.path)
+        fmu = read_fmu(self.path)
+        self._described = Subject(fmu, self.request)
         problems = validate_fmu(str(self.path))
         if problems:
             raise Wrong(
                 f"{len(problems)} problems, the first: {' '.join(str(problems[0]).split())}"
             )
-        return f"{len(self._fmu.variables)} variables, fmpy finds no fault"
+        return f"{len(fmu.variables)} variables, fmpy finds no fault"
 
     def _simulation(self) -> str:
-        runner = self._runs()
+        runner = self._runner
         self.rows = rows = runner.run()
         points = runner.experiment.points
         wrong = [n for n, values in zip(runner.names, rows.T, strict=True) if _odd(values)]
@@ -122,7 +110,7 @@ class FmuCheck:
 
     def _starts(self) -> str:
         """That the binary starts where the description says."""
-        runner = self._runs()
+        runner = self._runner
         fmu = runner.fmu
         declared = [
             v
@@ -145,18 +133,18 @@ class FmuCheck:
         return f"{len(declared)} start values are those of the description"
 
     def _against_reference(self) -> str:
-        table = self._table()
+        table = self._subject.reference
         if table is None:
             raise Skipped("it carries no reference result; give one with --reference FILE.csv")
         assert self.rows is not None
-        self._exactly = distance = self._distance(self.rows)
+        self._exactly = distance = self._subject.distance(self.rows)
         if not distance.relative <= self.request.tolerance:
-            raise Wrong(self._told(distance))
+            raise Wrong(self._subject.too_far(distance))
         off = f"{distance.name} is off by {distance.relative:.1e} of the largest value at most"
         return f"{table.path.name}: {off}"
 
     def _bounds(self) -> str:
-        runner = self._runs()
+        runner = self._runner
         if not self.request.most:
             raise Skipped("no bound was given (--max)")
         assert self.rows is not None
@@ -174,7 +162,7 @@ class FmuCheck:
         return "; ".join(told)
 
     def _reset(self) -> str:
-        runner = self._runs()
+        runner = self._runner
         with runner.instance() as made:
             runner.begin(made)
             runner.advance(made)
@@ -188,7 +176,7 @@ class FmuCheck:
         return "a second run after fmi2Reset has the same bits"
 
     def _states(self) -> str:
-        runner = self._runs()
+        runner = self._runner
         if not runner.fmu.can_roll_back:
             raise Skipped("it cannot save states, as it says (canGetAndSetFMUstate)")
         methods = self._methods_there() or [""]
@@ -209,7 +197,7 @@ class FmuCheck:
         told = []
         for method in self._methods_there():
             try:
-                rows = self._runs().run({_METHOD: method})
+                rows = self._runner.run({_METHOD: method})
             except CallFailed as failed:
                 if not _refused(failed, method):
                     raise Wrong(f"{method}: {failed.cause}") from failed
@@ -221,60 +209,8 @@ class FmuCheck:
 
     # what they share
 
-    def _runs(self) -> Runner:
-        if self._runner is None:
-            assert self._fmu is not None
-            fmu, request = self._fmu, self.request
-            table = self._table()
-            start = fmu.start_time or 0.0
-            step = request.step or fmu.step
-            stop = request.stop or fmu.stop_time or start + 1.0
-            if table is not None and request.stop is None and request.step is None:
-                points = table.points(start, step)
-            else:
-                points = np.array(communication_times(start, stop, step or (stop - start) / 100.0))
-            inputs = {} if table is None else table.inputs(points)
-            for name in request.start:
-                if name not in fmu.variables or not fmu.variables[name].is_settable_start:
-                    able = [v.name for v in fmu.variables.values() if v.is_settable_start]
-                    raise CurveboundError(f"{name} takes no start value; {nearest(name, able)}")
-            self._runner = Runner(
-                fmu, Experiment(points, dict(request.start), inputs, fmu.tolerance)
-            )
-        return self._runner
-
-    def _table(self) -> ReferenceTable | None:
-        """The reference: the one given, or that carried if the run is the one it belongs to."""
-        assert self._fmu is not None
-        request = self.request
-        if self._reference is None:
-            if request.reference is not None:
-                self._reference = ReferenceTable(self._fmu, request.reference, request.inputs)
-            elif not request.start and request.stop is None and request.step is None:
-                there = carried(self._fmu)
-                if there is not None:
-                    self._reference = ReferenceTable(self._fmu, *there)
-        return self._reference
-
-    def _distance(self, rows: Array) -> Distance:
-        runner, table = self._runs(), self._table()
-        assert table is not None
-        return table.distance(runner.names, runner.experiment.points, rows, self.request.tolerance)
-
-    def _told(self, distance: Distance) -> str:
-        runner, table = self._runs(), self._table()
-        assert table is not None
-        unit = runner.fmu.variables[distance.name].unit or ""
-        text = f"{distance.name} differs from {table.path.name} by up to {distance.difference:.3g}"
-        text = f"{text} {unit}".rstrip() + f" ({distance.relative:.2g} of the largest value, "
-        text += f"{self.request.tolerance:g} is allowed), first at t = {distance.first:.6g} s"
-        if distance.first <= float(table.time[0]):
-            return text + ": at the start already, so a start value or an output is another one"
-        return text + ": the start is right, so the equations or the integration are others"
-
     def _methods_there(self) -> list[str]:
-        assert self._fmu is not None
-        method = self._fmu.variables.get(_METHOD)
+        method = self._subject.fmu.variables.get(_METHOD)
         if method is None or not method.items or not method.is_settable_start:
             return []
         return list(method.items)
@@ -285,12 +221,12 @@ class FmuCheck:
             raise Wrong(f"{method}: an output is no finite number")
         if self._exactly is None:
             return ""
-        distance = self._distance(rows)
-        step = self._runs().fmu.variables.get(_STEP)
+        distance = self._subject.distance(rows)
+        step = self._subject.fmu.variables.get(_STEP)
         if not distance.relative <= self.request.tolerance and step is not None:
             half = 0.5 * float(self.request.start.get(_STEP, step.start or 1.0))
-            coarse = self._off(rows)
-            fine = self._off(self._runs().run({_METHOD: method, _STEP: half}))
+            coarse = self._subject.off(rows)
+            fine = self._subject.off(self._runner.run({_METHOD: method, _STEP: half}))
             small = int(np.argmax(coarse > _SMALL)) or len(coarse)
             errors = float(coarse[:small].max()), float(fine[:small].max())
             if not errors[1] <= max(_LESS * errors[0], self.request.tolerance):
@@ -300,20 +236,13 @@ class FmuCheck:
                 )
         return f"{distance.relative:.1e}"
 
-    def _off(self, rows: Array) -> Array:
-        """The largest relative error at each time of the reference."""
-        runner, table = self._runs(), self._table()
-        assert table is not None
-        off: Array = table.relative(runner.names, runner.experiment.points, rows).max(axis=1)
-        return off
-
     def _movable(self) -> bool:
-        fmu = self._runs().fmu
+        fmu = self._subject.fmu
         return fmu.can_serialize and not fmu.only_once_per_process
 
     def _state_of(self, method: str) -> None:
         """Save in the middle, go on, restore, go on again; and in another instance."""
-        runner = self._runs()
+        runner = self._runner
         changes: dict[str, Value] = {_METHOD: method} if method else {}
         half = (len(runner.experiment.points) - 1) // 2
         with runner.instance() as made:
@@ -341,7 +270,7 @@ class FmuCheck:
 
     def _same(self, rows: Array, before: Array, first: int, when: str) -> None:
         """Wrong unless two runs, both from point `first` on, have the same bits."""
-        runner = self._runs()
+        runner = self._runner
         different = ~((rows == before) | (np.isnan(rows) & np.isnan(before)))
         if not different.any():
             return
@@ -358,14 +287,6 @@ CHECKS = (
     "description", "simulation", "starts", "against_reference", "bounds", "reset", "states",
     "methods",
 )  # fmt: skip
-
-
-def digest_of(names: list[str], rows: Array) -> dict[str, str]:
-    """A hash of each column."""
-    return {
-        name: hashlib.sha256(np.ascontiguousarray(column).tobytes()).hexdigest()
-        for name, column in zip(names, rows.T, strict=True)
-    }
 
 
 def _odd(values: Array) -> bool:

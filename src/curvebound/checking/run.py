@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from .finding import FAILED, PASSED, Finding, Report
-from .fmu import Request
+from .request import Request
 
 __all__ = ["TIMEOUT", "check"]
 

@@ -10,8 +10,8 @@ import numpy as np
 from ..cosim import Result, RunFailed, Scene, load_scene
 from ..cosim.needs import errors_of, unmet
 from ..errors import CurveboundError, nearest
-from .finding import FAILED, Finding, Skipped, Wrong, found
-from .fmu import Request, digest_of
+from .finding import FAILED, Finding, Skipped, Wrong, digest_of, found
+from .request import Request
 
 __all__ = ["CHECKS", "SceneCheck"]
 

@@ -16,7 +16,8 @@ from typing import Any
 
 from ..errors import CurveboundError
 from .finding import Wrong
-from .fmu import FmuCheck, Request
+from .fmu import FmuCheck
+from .request import Request
 from .scene import SceneCheck
 
 __all__ = ["main"]

@@ -80,8 +80,8 @@ def _bound(text: str) -> tuple[str, float]:
 
 def run(options: argparse.Namespace) -> int:
     """Check each target and report; 1 when one failed."""
-    from ..checking.fmu import Request
     from ..checking.junit import junit
+    from ..checking.request import Request
     from ..checking.run import check
     from ..files import require_writable, write_whole
 
