@@ -329,7 +329,7 @@ def test_a_macro_step_follows_from_the_order_of_the_algorithm(
 
         obeying(tuner, monkeypatch, law)
         tried: list[Candidate] = []
-        macro = tuner._macro(dict.fromkeys(tuner.paths, 1e-3), tried, lambda _: None)
+        macro = tuner.coupling.search(dict.fromkeys(tuner.paths, 1e-3), tried, lambda _: None)
     finally:
         tuner.close()
     assert macro.algorithm == algorithm
@@ -359,7 +359,7 @@ def test_a_macro_step_leaves_room_at_all_starts(monkeypatch: pytest.MonkeyPatch)
             return replace(found, miss=2.0 * found.miss)
 
         monkeypatch.setattr(tuner.ensemble, "all", worse)
-        macro = tuner._macro(dict.fromkeys(tuner.paths, 1e-3), [], lambda _: None)
+        macro = tuner.coupling.search(dict.fromkeys(tuner.paths, 1e-3), [], lambda _: None)
     finally:
         tuner.close()
     assert macro.coupling == "gauss_seidel, hold first"
@@ -397,7 +397,7 @@ def test_a_hold_is_chosen_by_what_it_comes_to(
             return miss, (0.9e-5 if first else 1e-5) / size
 
         obeying(tuner, monkeypatch, law)
-        macro = tuner._macro({"bead.bead.angle": 1e-3}, [], lambda _: None)
+        macro = tuner.coupling.search({"bead.bead.angle": 1e-3}, [], lambda _: None)
         families = tuner._families(macro)
     finally:
         tuner.close()
@@ -439,7 +439,7 @@ def test_a_macro_step_whose_run_would_last_beyond_the_limit_is_not_tried(
 
         obeying(tuner, monkeypatch, law)
         tried: list[Candidate] = []
-        macro = tuner._macro(dict.fromkeys(tuner.paths, 1e-3), tried, lambda _: None)
+        macro = tuner.coupling.search(dict.fromkeys(tuner.paths, 1e-3), tried, lambda _: None)
     finally:
         tuner.close()
     own = [c for c in tried if c.setting.coupling == "gauss_seidel" and c.starts == 1]

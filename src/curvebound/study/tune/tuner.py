@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...cosim.scene_parts import ALGORITHMS
 from ...errors import CurveboundError
 from ...numbers import quantity
-from ..grid import couplings, is_sampled
+from ..grid import is_sampled
 from ..reference.reference_set import ReferenceSet
 from ..runner import Runner
 from ..settings import Setting, Space, space_of
@@ -26,6 +25,7 @@ from ..starts import surrounding
 from ..timing import interleave, median
 from .candidate import Candidate, Choice
 from .ensemble import Ensemble
+from .macro_search import MacroSearch, order
 from .step_search import AIM, coarser, search_size
 
 if TYPE_CHECKING:
@@ -36,8 +36,6 @@ __all__ = ["Tuner"]
 
 _MOST = 1e7  # communication steps of a run
 _DEARER = 1.4  # times the cost of a setting that met the bounds by far wherever it was run
-_LONGER = 1.5  # times the macro step with values held, for which slopes are worth their cost
-_ROOM = 0.5  # of the bounds that coupling may take, the rest is for integration
 _ALL = 4  # families that are refined and timed in turn
 
 
@@ -82,6 +80,14 @@ class Tuner:
         )
         self.runner = Runner(scene, self.space, paths)
         self.ensemble = Ensemble(self.runner, self.references, around)
+        self.coupling = MacroSearch(
+            scene,
+            self.space,
+            self.ensemble,
+            step=self.step,
+            sampled=self.sampled,
+            dearest=limit / self.span,
+        )
 
     def close(self) -> None:
         """Free the FMUs."""
@@ -117,7 +123,9 @@ class Tuner:
             raise CurveboundError(f"The budget is {budget} s; give a finite one above zero.")
         _ = self.references.reference
         tried: list[Candidate] = []
-        macro = self._macro(bounds, tried, tell)
+        macro = self.coupling.given
+        if self.continuous or not self.sampled:
+            macro = self.coupling.search(bounds, tried, tell)
         fronts: list[Candidate] = []
         cheapest = math.inf
         dearest = self.limit / self.span
@@ -255,11 +263,10 @@ class Tuner:
         words = []
         setting = best.setting
         if self.sampled and self.continuous:
-            order = _order(setting)
-            finer = setting.step / (best.seen / AIM) ** (1.0 / order)
+            finer = setting.step / (best.seen / AIM) ** (1.0 / order(setting))
             cpu = best.cpu * setting.step / finer
             words.append(
-                f"the macro step costs accuracy of order {order:.0f}: one of about "
+                f"the macro step costs accuracy of order {order(setting):.0f}: one of about "
                 f"{quantity(finer, 's', 2)} would do, at about {quantity(cpu, 's', 2)} of CPU time "
                 "per simulated second"
             )
@@ -280,82 +287,6 @@ class Tuner:
         known = [c for c in every if c.starts == members and c.miss < math.inf]
         affordable = [c for c in known if c.cpu <= budget]
         choice.affordable = min(affordable, key=lambda c: c.miss, default=None)
-
-    def _macro(
-        self, bounds: Mapping[str, float], tried: list[Candidate], tell: Callable[[str], None]
-    ) -> Setting:
-        """Macro step, algorithm and hold; a setting whose integration is as good as exact."""
-        scene = self.scene
-        base = Setting(
-            self.space.structures[0], "adaptive", 1e-11, self.step, scene.algorithm, scene.hold
-        )
-        if self.sampled and not self.continuous:
-            return base
-        options: list[Candidate] = []
-        every: list[Candidate] = []
-        for algorithm, hold in self._couplings():
-            setting = replace(base, algorithm=algorithm, hold=hold)
-            for _ in range(5 if self.sampled else 1):
-                tell(f"{setting.coupling}, macro step {setting.step:.2g} s")
-                candidate = self.ensemble.one(setting, bounds)
-                every.append(candidate)
-                if candidate.miss <= _ROOM:
-                    options.append(candidate)
-                    break
-                finer = self._finer(candidate)
-                if finer is None:
-                    break
-                setting = finer
-        tried += every
-        # slopes cost something, and timings differ by chance: only where they allow longer steps
-        held = {c.setting.algorithm: c.setting.step for c in options if c.setting.hold == "zero"}
-        options = [
-            c
-            for c in options
-            if c.setting.hold == "zero"
-            or c.setting.step > _LONGER * held.get(c.setting.algorithm, 0.0)
-        ]
-        if options:
-            return self._for_all_starts(min(options, key=lambda c: c.cpu).setting, bounds, tried)
-        if self.sampled:
-            return replace(base, step=min(c.setting.step for c in every))
-        return min(every, key=lambda c: c.miss).setting if every else base
-
-    def _finer(self, candidate: Candidate) -> Setting | None:
-        """The macro step at which a setting is expected to fit; None where it costs too much."""
-        setting = candidate.setting
-        factor = (AIM / min(candidate.miss, 1e6)) ** (1.0 / _order(setting))
-        step = self.step / math.ceil(self.step / (setting.step * factor) - 1e-9)
-        if candidate.cpu * setting.step / step * self.span > self.limit:
-            return None
-        return replace(setting, step=step)
-
-    def _for_all_starts(
-        self, setting: Setting, bounds: Mapping[str, float], tried: list[Candidate]
-    ) -> Setting:
-        """The setting, finer in the macro step where other starts need it."""
-        for _ in range(3 if self.sampled else 0):
-            candidate = self.ensemble.all(setting, bounds)
-            tried.append(candidate)
-            finer = None if candidate.miss <= _ROOM else self._finer(candidate)
-            if finer is None or finer.step == setting.step:
-                break
-            setting = finer
-        return setting
-
-    def _couplings(self) -> list[tuple[str, str]]:
-        """Algorithms and holds to choose from."""
-        found = couplings(self.scene, self.space)
-        if self.sampled:
-            return found
-        # of plants alone the algorithm stays
-        found = [pair for pair in found if pair[0] == self.scene.algorithm]
-        return found if len(found) > 1 else []
-
-
-def _order(setting: Setting) -> float:
-    """Of the error in the macro step."""
-    return 2.0 if setting.hold == "first" else float(ALGORITHMS[setting.algorithm].order)
 
 
 def _round_up(x: float) -> float:
