@@ -128,13 +128,15 @@ def main() -> None:
 
 
 def build_fmus(folder: Path) -> None:
-    """Build the three FMUs as tests/conftest.py shares them."""
+    """Build the three FMUs as tests/conftest.py shares them, and what interpreting.py reads."""
     script = (
         "import sys; from pathlib import Path; from curvebound.fmi.build import build\n"
         "from curvebound.fmi.folder import names\n"
         "for name in names():\n"
         "    build(name, Path(sys.argv[1], 'fmus'), compiled=True)\n"
         "    build(name, Path(sys.argv[1], 'interpreted'), compiled=False)\n"
+        "from interpreting import keep_references\n"
+        "keep_references(Path(sys.argv[1], 'references'))\n"
     )
     subprocess.run([sys.executable, "-c", script, str(folder)], check=True)
 
@@ -144,13 +146,13 @@ def campaign(chosen: argparse.Namespace, scratch: Path) -> None:
     copy = copy_of_the_work_tree(scratch / "tree")
     folder = chosen.contexts.resolve()
     contexts = Contexts(folder, copy, folder / "cache")
+    os.environ.update(contexts.environment)
+    build_fmus(scratch)
     contexts.collect(chosen.tests, slow=chosen.slow)
     os.chdir(copy)
-    os.environ.update(contexts.environment)
     sys.path[:0] = contexts.environment["PYTHONPATH"].split(os.pathsep)
     compileall.compile_dir(copy, quiet=1)
     sys.dont_write_bytecode = True  # a mutant is as old as what it was made of, to a second
-    build_fmus(copy.parent / "fmus")
     arguments = ["-s", "-q", "--no-summary", "-p", "no:cacheprovider", "-p", "no:xdist", "-m", "",
                  "--timeout=60", "tests"]  # fmt: skip
     pytest.main(arguments, plugins=[Campaign(chosen, copy, contexts)])

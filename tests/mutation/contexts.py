@@ -42,6 +42,7 @@ def environment_of(copy: Path, cache: Path) -> dict[str, str]:
     return {
         **os.environ, "PYTHONPATH": path, "CURVEBOUND_CACHE": str(cache),
         "PYTHONDONTWRITEBYTECODE": "1",
+        "CAMPAIGN_REFERENCES": str(copy.parent / "references"),
     }  # fmt: skip
 
 

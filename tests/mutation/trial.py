@@ -47,7 +47,7 @@ class Trial:
         self.budget = budget
         self.items: dict[str, pytest.Item] = {}
         #: the three FMUs as tests/conftest.py shares them
-        self.fmus = copy.parent / "fmus"
+        self.fmus = copy.parent
         #: tests that fail here without a mutant, and those that are known to pass
         self.unfit: set[str] = set()
         self.fit: set[str] = set()
