@@ -334,3 +334,90 @@ def test_looks_are_taken_while_stepping_and_at_the_end() -> None:
     assert sum("energy.residual" in text for text in texts) == 1
     assert made.terminate()
     assert len(made.queue) == 2
+
+
+@pytest.mark.parametrize(
+    ("stop", "time", "method", "advice"),
+    [
+        (11.0, 3.0, 3, (5.0, 4, "solver.step", 1e-3)),  # five times as large at the end
+        (11.0, 12.0, 3, (1.0, 4, "solver.step", 1e-3)),
+        (11.0, 1.0, 3, (3.0, 4, "solver.step", 1e-3)),
+        (None, 3.0, 3, (3.0, 4, "solver.step", 1e-3)),
+        (None, 3.0, 1, (3.0, 1, "solver.step", 1e-3)),
+        (11.0, 3.0, 4, (5.0, 1, "solver.tolerance", 1e-6)),
+    ],
+)
+def test_the_advice_about_energy(
+    monkeypatch: pytest.MonkeyPatch, stop: float | None, time: float, method: int, advice: Any
+) -> None:
+    made = engine(solver__method=method)
+    made.setup_experiment(1.0, stop)
+    made.enter_initialization()
+    made.exit_initialization()
+    told: list[Any] = []
+    monkeypatch.setattr(made.watch, "energy", lambda *given: told.append(given) or "so")
+    values = {"energy.kinetic": 2.0, "energy.potential": made.model.initial_potential - 3.0}
+    monkeypatch.setattr(made, "output", lambda name: values[name])
+    monkeypatch.setattr(made, "swing", lambda: 7.0)
+    made.time = time
+    # what moves is the larger of kinetic energy and change of the other; a swing, where in doubt
+    values["energy.residual"] = -0.029
+    made.look_at_energy()
+    assert (made.watch.moved, told) == (3.0, [])
+    values["energy.residual"] = -0.069
+    made.look_at_energy()
+    assert (made.watch.moved, told, made.queue) == (7.0, [], [])
+    values["energy.residual"] = -0.071
+    made.look_at_energy()
+    growth, order, setting, value = advice
+    assert told == [(-0.071, growth, order, setting, value, time)]
+    assert [(message.status, message.msg) for message in made.queue] == [(WARNING, "so")]
+
+
+@pytest.mark.parametrize(("angle", "damping"), [(1.0, 0.0), (-2.0, 0.0), (1.0, 0.5)])
+def test_a_swing_is_what_the_forces_would_give_until_they_change(
+    angle: float, damping: float
+) -> None:
+    """Of an angle: they act for 1 / sqrt(slope + acceleration), less what damping takes away."""
+    mass, g = 2.0, 9.81
+    made = started(model__formulation=2, bead__angle_start=angle, bead__damping=damping,
+                   bead__mass=mass, bead__angular_velocity_start=3.0)  # fmt: skip
+    force = g * abs(math.sin(angle))
+    rate = math.sqrt(g * abs(math.cos(angle)) + force) + damping / mass
+    assert made.swing() == pytest.approx(0.5 * mass * (force / rate) ** 2, rel=1e-9)
+    assert (made.model.v0, made.model.v1) == (3.0, 0.0)
+    assert started(gravity__y=0.0, model__formulation=2).swing() == 0.0
+
+
+def test_failed_steps_tell_what_would_do() -> None:
+    made = started(solver__max_steps=10)
+    assert not made.do_step(0.0, 0.14)
+    assert said(made) == (
+        "solver.max_steps = 10 internal steps do not reach the end at time 0.0 s in a "
+        "communication step of 0.14 s, but 0.01 s of it; the step size reached is 0.001 s: raise "
+        "solver.max_steps (to 2e+02) or solver.step, or shorten the communication step"
+    )
+    assert made.do_step(0.0, 0.01)
+    assert at(made, "solver.steps") == 10.0
+    assert at(made, "solver.evaluations") == 40.0
+    assert not made.do_step(0.01, 1e9)
+    assert "raise solver.max_steps or solver.step, or shorten" in said(made)
+    adaptive = started(solver__method=4, solver__max_steps=2)
+    before = adaptive.get_state()
+    assert not adaptive.do_step(0.0, 100.0)
+    text = said(adaptive)
+    assert "raise solver.max_steps (to " in text
+    assert ") or solver.tolerance, or shorten" in text
+    reached = float(text.partition("but ")[2].split()[0])
+    advised = float(text.partition("(to ")[2].partition(")")[0])
+    assert advised == pytest.approx(1.5 * 2 * 100.0 / reached, rel=0.5)
+    assert adaptive.get_state() == before
+    fast = started(model__formulation=2, solver__step=1.0)
+    fast.set_real([fast.table.by_name["bead.fx"]], [1e149])
+    before = fast.get_state()
+    assert not fast.do_step(0.0, 1.0)
+    text = said(fast)
+    assert text.startswith("the state left the finite numbers at time 0.0 s in a communication")
+    assert "with internal steps of 1.0 s" in text
+    assert text.endswith("reduce solver.step, or choose solver.method = adaptive")
+    assert fast.get_state() == before
