@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pytest
 from harness import Extracted, Instance
+from source_copies import with_short_reference
 
 from curvebound.fmi import compile as kernel
+from curvebound.fmi import documentation
 from curvebound.fmi.build import build
 from curvebound.fmi.compile import why_not
 from curvebound.locks import locked
@@ -68,6 +70,16 @@ def _same_sys_path() -> Iterator[None]:
 def interpreting(monkeypatch: pytest.MonkeyPatch) -> None:
     """What this process builds runs interpreted: no minute of compiling for a second's run."""
     monkeypatch.setattr(kernel, "why_not", lambda *_: "this test runs interpreted")
+
+
+@pytest.fixture
+def short_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What this process builds has a reference result of one step: most of the time of a build.
+
+    Not where an FMU of the package's own systems goes into the cache.
+    """
+    short = with_short_reference(documentation.reference_result)
+    monkeypatch.setattr(documentation, "reference_result", short)
 
 
 @pytest.fixture(scope="session")

@@ -7,9 +7,12 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from curvebound import places
+from curvebound.fmi.declaration import Fmu
+from curvebound.fmi.reference import ReferenceResult
 
 _BUILD = """
 import pathlib, sys
@@ -20,8 +23,10 @@ for name in sys.argv[3:]:
 
 _EDITED = """
 import json, pathlib, sys
+from curvebound.fmi import documentation
 from curvebound.fmi.build import build
-from source_copies import replace_once
+from source_copies import replace_once, with_short_reference
+documentation.reference_result = with_short_reference(documentation.reference_result)
 for out, file, old, new in json.loads(sys.argv[1]):
     replace_once(pathlib.Path(file), old, new)
     for name in sys.argv[2:]:
@@ -70,7 +75,7 @@ def build_edited(
 ) -> None:
     """Replace a text in a file, build FMUs into out/LABEL, and so on with the next edit.
 
-    All in one process, which shall see each edit.
+    All in one process, which shall see each edit. The reference results are of one step.
     """
     todo = json.dumps(
         [[str(out / label), str(file), *texts] for label, (file, *texts) in edits.items()]
@@ -82,6 +87,13 @@ def build_edited(
         text=True,
     )
     assert done.returncode == 0, done.stderr
+
+
+def with_short_reference(
+    reference_result: Callable[[Fmu], ReferenceResult],
+) -> Callable[[Fmu], ReferenceResult]:
+    """The same of one step in place of the whole experiment: most of the time of a build."""
+    return lambda fmu: reference_result(fmu._replace(stop_time=fmu.step_size))
 
 
 def replace_once(file: Path, old: str, new: str) -> None:

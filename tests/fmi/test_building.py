@@ -89,6 +89,7 @@ def test_compiling_anew_gives_the_same_bytes(fmus, tmp_path) -> None:
         same_files(fmus / f"{name}.fmu", tmp_path / "out" / f"{name}.fmu")
 
 
+@pytest.mark.usefixtures("short_reference")
 def test_the_date_is_that_of_the_sources_or_of_source_date_epoch(
     undated, tmp_path, monkeypatch
 ) -> None:
@@ -180,6 +181,7 @@ def test_an_unknown_name_is_refused_with_those_that_exist(tmp_path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("short_reference")
 def test_building_leaves_the_interpreter_as_it_was(tmp_path) -> None:
     path, modules, writes = sys.path[:], set(sys.modules), sys.dont_write_bytecode
     cwd = Path.cwd()
@@ -190,6 +192,7 @@ def test_building_leaves_the_interpreter_as_it_was(tmp_path) -> None:
     assert Path.cwd() == cwd
 
 
+@pytest.mark.usefixtures("short_reference")
 def test_a_build_that_fails_leaves_the_old_fmu(tmp_path, monkeypatch) -> None:
     path = build("ParabolaDrive", tmp_path, compiled=False).path
     before = path.read_bytes()
@@ -204,6 +207,7 @@ def test_a_build_that_fails_leaves_the_old_fmu(tmp_path, monkeypatch) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.usefixtures("short_reference")
 def test_pythonfmus_binary_offers_no_derivatives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

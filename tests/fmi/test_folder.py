@@ -19,7 +19,8 @@ from curvebound.fmi.folder import find, names
 def copy_as(name: str, folder: Path) -> Path:
     """A copy of the bead's system under another name."""
     own = folder / name
-    shutil.copytree(places.fmus_directory() / "bead_on_wire", own)
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(places.fmus_directory() / "bead_on_wire", own, ignore=ignored)
     fmu = "".join(word.capitalize() for word in name.split("_"))
     source = own / "fmu.py"
     source.write_text(source.read_text().replace('name="BeadOnWire"', f'name="{fmu}"'))
@@ -80,7 +81,7 @@ def test_an_edit_is_seen_at_once_and_leaves_nothing_behind(tmp_path: Path) -> No
     assert not list(own.rglob("__pycache__"))
 
 
-@pytest.mark.usefixtures("interpreting")
+@pytest.mark.usefixtures("interpreting", "short_reference")
 def test_a_scene_runs_a_system_that_lives_beside_it(tmp_path: Path) -> None:
     copy_as("loop", tmp_path / "systems")
     for source in ("Loop", "systems/loop"):
@@ -92,6 +93,7 @@ def test_a_scene_runs_a_system_that_lives_beside_it(tmp_path: Path) -> None:
         assert result.drawings["body"].name == "Loop"
 
 
+@pytest.mark.usefixtures("short_reference")
 def test_adding_and_editing_a_system_changes_no_other(tmp_path: Path) -> None:
     one = copy_as("one_loop", tmp_path)
     alone = build(one, tmp_path / "a", compiled=False).path

@@ -92,11 +92,17 @@ def test_every_interrupt_arrives_where_the_code_is_compiled(fmus, name: str, cou
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent as on POSIX")
 @pytest.mark.parametrize(
-    "name", ["BeadOnWire", pytest.param("ParabolaPendulum", marks=pytest.mark.slow)]
+    ("name", "count"),
+    [
+        ("BeadOnWire", 40),
+        *(pytest.param(name, 100, marks=pytest.mark.slow) for name in PLANTS),
+    ],
 )
-def test_every_interrupt_arrives_where_the_code_is_interpreted(interpreted_fmus, name: str) -> None:
+def test_every_interrupt_arrives_where_the_code_is_interpreted(
+    interpreted_fmus, name: str, count: int
+) -> None:
     settings = {**PLANTS[name], **({"solver.step": 1e-4} if name == "BeadOnWire" else {})}
-    arrived, inside, steps = run(interpreted_fmus / f"{name}.fmu", settings, 0.01, 100)
-    assert arrived == 100
+    arrived, inside, steps = run(interpreted_fmus / f"{name}.fmu", settings, 0.01, count)
+    assert arrived == count
     assert inside > 0, "some arrived in the FMU's code"
     assert steps > 0

@@ -40,6 +40,7 @@ FAULTS: dict[Callable[[Path], None], tuple[str, str, str]] = {
 }
 
 
+@pytest.mark.usefixtures("short_reference")
 @pytest.mark.parametrize("check", FAULTS, ids=lambda check: check.__name__)
 def test_a_fault_is_found(check: Callable[[Path], None], tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_: "it takes too long here")
@@ -54,6 +55,7 @@ def test_a_fault_is_found(check: Callable[[Path], None], tmp_path: Path, monkeyp
     assert "model.formulation = angle: " in str(caught.value)
 
 
+@pytest.mark.usefixtures("short_reference")
 def test_a_fault_is_found_at_random_points(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_: "it takes too long here")
     monkeypatch.setattr(checks, "_POINTS", 4)

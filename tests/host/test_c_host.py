@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from fmpy.fmi2 import FMU2Slave
+from source_copies import build_edited, copy_sources, declarations
 
 from curvebound.fmi.compile import why_not
 
 pytestmark = pytest.mark.usefixtures("system_python")
 
-HERE = Path(__file__).parent
 PLAIN = {"PATH": "/usr/bin:/bin"}
 
 
@@ -251,37 +250,18 @@ def test_several_fmus_in_one_process(host, compile_host, fmus, scope, tmp_path):
         assert [together[k], *together[n + k :: n]] == alone[name]
 
 
-_BUILD_FROM = """
-import sys
-from pathlib import Path
-root = Path(sys.argv[1])
-sys.path.insert(0, str(root / "src"))
-import curvebound
-assert Path(curvebound.__file__).is_relative_to(root)
-from curvebound.fmi.build import build
-build("BeadOnWire", root, compiled=False)
-"""
-
-
 @pytest.fixture(scope="module")
 def two_builds(tmp_path_factory, unpack):
     """BeadOnWire as it is, and from sources with another factor in the kinetic energy."""
-    checkout = HERE.parents[1]
-    builds = []
-    for factor in ("0.5", "0.501"):  # too little for the warning about energy
-        root = tmp_path_factory.mktemp("checkout")
-        for part in ("src", "fmus"):
-            shutil.copytree(
-                checkout / part, root / part, ignore=shutil.ignore_patterns("__pycache__")
-            )
-        shutil.copy(checkout / "LICENSE", root)
-        source = root / "fmus" / "bead_on_wire" / "base.py"
-        text = source.read_text()
-        assert "kinetic = 0.5 *" in text
-        source.write_text(text.replace("kinetic = 0.5 *", f"kinetic = {factor} *"))
-        subprocess.run([sys.executable, "-c", _BUILD_FROM, str(root)], check=True)
-        builds.append(unpack(root / "BeadOnWire.fmu", root / "unpacked"))
-    return builds
+    root = tmp_path_factory.mktemp("checkout")
+    package = copy_sources(root)
+    source = declarations(package) / "bead_on_wire" / "base.py"
+    edits = {
+        "same": (source, "kinetic = 0.5 *", "kinetic = 0.500 *"),
+        "more": (source, "kinetic = 0.500 *", "kinetic = 0.501 *"),  # too little for the warning
+    }
+    build_edited(package, root, edits, "BeadOnWire")
+    return [unpack(root / label / "BeadOnWire.fmu", root / label / "unpacked") for label in edits]
 
 
 def assert_own_results(own, other):

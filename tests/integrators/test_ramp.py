@@ -17,7 +17,6 @@ from curvebound.kernel.base import Model
 from curvebound.kernel.method import DONE
 from curvebound.kernel.methods import METHODS, create
 from curvebound.kernel.ramp import Ramp
-from curvebound.mechanics.derive import derive
 
 DURATION = 0.4
 
@@ -74,7 +73,7 @@ HORIZONTAL = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0]
 @cache
 def derived(fmu: str) -> ModuleType:
     module = ModuleType(f"derived_{fmu}")
-    exec(derive(find(fmu).path / "mechanics.py").kernel, module.__dict__)
+    exec(find(fmu).derived().kernel, module.__dict__)
     return module
 
 

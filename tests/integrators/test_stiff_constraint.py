@@ -19,7 +19,6 @@ from curvebound.kernel.adaptive import Adaptive
 from curvebound.kernel.method import DONE
 from curvebound.kernel.radau import Radau
 from curvebound.kernel.rounding import Rounding
-from curvebound.mechanics.derive import derive
 
 BAUMGARTE = {"model.formulation": 1, "constraint.stabilization": 2}
 
@@ -31,7 +30,7 @@ def kernel(form: str) -> Any:
     if form == "by hand":
         return folder.module("kernel")
     module = ModuleType("derived")
-    exec(derive(folder.path / "mechanics.py", folder.name).kernel, module.__dict__)
+    exec(folder.derived().kernel, module.__dict__)
     return module
 
 
@@ -94,12 +93,13 @@ def test_a_bead_keeps_its_rate(
     assert method.evaluations < 40_000
 
 
+@pytest.mark.parametrize("count", [3, pytest.param(12, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("form", ["by hand", "derived"])
-def test_where_rounding_decides_it_is_said(form: str) -> None:
+def test_where_rounding_decides_it_is_said(form: str, count: int) -> None:
     """Stiffness times the square of the step is 1e17: some beads are off, none in silence."""
     tolerance, rate = 6.6e-6, 1e-8
     warned = 0
-    for part in range(12):
+    for part in range(count):
         model = bead(form, 0.039 * (1.0 + 1e-3 * part), rate, 7.0, 5.3)
         method = Adaptive()
         assert method.advance(model, 9.6e8, 1, tolerance, 10_000) == DONE
@@ -107,7 +107,7 @@ def test_where_rounding_decides_it_is_said(form: str) -> None:
             warned += 1
         else:
             assert motion(model)[1] == pytest.approx(rate, rel=10 * tolerance, abs=0.0)
-    assert warned < 6
+    assert 2 * warned < count
 
 
 def test_what_a_stale_matrix_hides_is_no_rounding() -> None:

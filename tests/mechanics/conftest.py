@@ -10,7 +10,7 @@ from typing import Any
 import mpmath
 import pytest
 
-from curvebound.mechanics.derive import derive
+from curvebound.fmi.folder import Folder
 from curvebound.mechanics.derived import Derived
 from curvebound.mechanics.numeric import ManyDigits
 
@@ -33,7 +33,7 @@ DIGITS = 80
 )
 def system(request: pytest.FixtureRequest) -> Derived:
     """Each system in turn."""
-    return derive(FOLDERS[request.param] / "mechanics.py")
+    return Folder(FOLDERS[request.param]).derived()
 
 
 @pytest.fixture

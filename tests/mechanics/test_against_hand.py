@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -16,7 +15,6 @@ import pytest
 
 from curvebound.fmi.folder import find
 from curvebound.kernel.base import acceleration_of
-from curvebound.mechanics.derive import derive
 from curvebound.mechanics.derived import Derived
 from curvebound.mechanics.numeric import ManyDigits, extended
 from curvebound.study.stability.ranges import draw
@@ -27,8 +25,7 @@ EPSILON = 2.3e-16
 
 
 def derived_of(name: str) -> Derived:
-    folder = {"bead": "bead_on_wire", "pendulum": "parabola_pendulum"}[name]
-    return derive(Path(__file__).parents[2] / "fmus" / folder / "mechanics.py")
+    return find({"bead": "BeadOnWire", "pendulum": "ParabolaPendulum"}[name]).derived()
 
 
 def symbols(system: Derived, F: Any, model: Any, values: dict[str, Any], t: float) -> Any:

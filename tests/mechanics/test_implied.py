@@ -9,8 +9,8 @@ import pytest
 
 from curvebound.errors import CurveboundError
 from curvebound.fmi.declaration import OUTPUT, PARAMETER, Fmu, parameter
+from curvebound.fmi.folder import Folder
 from curvebound.fmi.implied import complete_variables
-from curvebound.mechanics.derive import derive
 
 ROOT = Path(__file__).parents[2]
 
@@ -25,7 +25,7 @@ def test_a_shipped_system_implies_its_declared_variables(name: str) -> None:
     spec.loader.exec_module(module)
     fmu: Fmu = module.FMU
     parameters = tuple(v for v in fmu.variables if v.kind == PARAMETER)
-    implied = complete_variables(parameters, derive(source.with_name("mechanics.py")))
+    implied = complete_variables(parameters, Folder(source.parent).derived())
     declared = {v.name: v for v in fmu.variables}
     assert {v.name for v in implied} == declared.keys()
     for v in implied:
@@ -35,7 +35,7 @@ def test_a_shipped_system_implies_its_declared_variables(name: str) -> None:
 
 
 def test_fmu_py_says_units_and_domains() -> None:
-    derived = derive(Path(__file__).parent / "systems" / "bead_on_parabola" / "mechanics.py")
+    derived = Folder(Path(__file__).parent / "systems" / "bead_on_parabola").derived()
     own = parameter("wire.coefficient", "1/m", 0.5, "coefficient of y = a x^2")
     found = {v.name: v for v in complete_variables((own,), derived)}
     assert found["wire.coefficient"] == own

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterator
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -15,10 +14,9 @@ from sympy import Matrix, cos, sin
 from curvebound.fmi.folder import find
 from curvebound.kernel.directional import output_changes
 from curvebound.mechanics import Mechanics, angle, input_, mass
-from curvebound.mechanics.derive import derive, derive_text
+from curvebound.mechanics.derive import derive_text
 from curvebound.study.stability.ranges import draw
 
-FMUS = Path(__file__).parents[2] / "fmus"
 NAMES = {"bead_on_wire": "BeadOnWire", "parabola_pendulum": "ParabolaPendulum"}
 ITEMS = {
     "model.formulation": ("lagrange_multiplier", "angle"),
@@ -30,7 +28,7 @@ CLOSE = 1e-12
 
 def kernel(name: str) -> ModuleType:
     module = ModuleType(f"derived_{name}")
-    text = derive(FMUS / name / "mechanics.py").kernel
+    text = find(NAMES[name]).derived().kernel
     exec(compile(text, f"derived kernel of {name}", "exec"), module.__dict__)
     return module
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from curvebound.mechanics.derive import derive, derive_text
+from curvebound.fmi.folder import Folder
+from curvebound.mechanics.derive import derive_text
 
 SYSTEMS = Path(__file__).parent / "systems"
 CYCLOID = """
@@ -23,7 +24,7 @@ def started(name: str, choices: dict[str, int] | None = None, **values: float) -
     if name == "cycloid":
         derived = derive_text(CYCLOID, name, name)
     else:
-        derived = derive(SYSTEMS / name / "mechanics.py")
+        derived = Folder(SYSTEMS / name).derived()
     module = ModuleType(name)
     exec(derived.kernel, module.__dict__)
     given = {n.replace("__", "."): x for n, x in values.items()}
