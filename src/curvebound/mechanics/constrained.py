@@ -96,7 +96,7 @@ class Constrained:
         """The multiplier of the exact motion, in the generalised coordinate."""
         square = shorter(self.square.subs(self._on_curve))
         factors = [shorter(g.subs(self._on_curve)) / square for g in self.gradient]
-        return self.full.reaction(factors)
+        return self.full.reactions.combined(factors)
 
     @cached_property
     def force(self) -> Expr:

@@ -1,4 +1,4 @@
-"""From positions and forces to accelerations, reactions, energies and power.
+"""From positions and forces to accelerations, energies and power.
 
 Notation: a row i is one Cartesian component of one mass; J_ik = d(position_i)/d(q_k), f_i the force
 on it less mass times the acceleration that is left when q'' = 0, C_ij = J_i0 J_j1 - J_j0 J_i1.
@@ -8,13 +8,8 @@ By Cauchy and Binet, with sums over i < j,
     q_0'' D = sum C_ij (m_j f_i J_j1 - m_i f_j J_i1)
     q_1'' D = sum C_ij (m_i f_j J_i0 - m_j f_i J_j0)
 
-and the force with which constraints act on row i (f_i and what is missing to its acceleration)
-
-    R_i D = -sum C_jk (m_j m_k C_jk f_i - m_i m_k C_ik f_j + m_i m_j C_ij f_k)     j, k other than i
-
-For one coordinate D = sum m_i J_i^2, q'' D = sum J_i f_i, R_i D = -sum J_j (m_j J_j f_i - m_i J_i
-f_j). Generalised forces (couples) enter by the adjugate of the mass matrix. No ratio of masses
-cancels in any of these sums.
+For one coordinate D = sum m_i J_i^2, q'' D = sum J_i f_i. Generalised forces (couples) enter by the
+adjugate of the mass matrix. No ratio of masses cancels in any of these sums.
 """
 
 from __future__ import annotations
@@ -24,16 +19,14 @@ from itertools import combinations
 from typing import NamedTuple
 
 import sympy
-from sympy import Expr, Integer, Symbol
+from sympy import Expr, Symbol
 
 from .constrained import Constrained
+from .reactions import Reactions
 from .statement import Coordinate, Input, Mass, Mechanics, Parameter
-from .sums import Sum, over, shorter
+from .sums import ONE, ZERO, Sum, over, shorter
 
 __all__ = ["Derivation", "Row"]
-
-ONE = Integer(1)
-ZERO = Integer(0)
 
 
 class Row(NamedTuple):
@@ -57,6 +50,15 @@ class Row(NamedTuple):
     def mass(self) -> Parameter:
         """Its mass."""
         return self.of.mass
+
+    @property
+    def forces(self) -> list[tuple[Expr, str, Expr]]:
+        """What adds up to f: factor, of what it is, force."""
+        return [
+            (self.mass, "field", self.field - self.left),
+            (ONE, f"force on {self.of.name}", self.external),
+            (ONE, f"drag on {self.of.name}", self.drag),
+        ]
 
 
 class Derivation:
@@ -173,10 +175,11 @@ class Derivation:
             for row in self.rows:
                 found.add(row.mass, "", row.slopes[0] ** 2)
         for a, b in combinations(self.rows, 2) if len(self.q) == 2 else ():
-            found.add(a.mass * b.mass, "", self._minor(a, b) ** 2)
+            found.add(a.mass * b.mass, "", self.minor(a, b) ** 2)
         return found.short()
 
-    def _minor(self, a: Row, b: Row) -> Expr:
+    def minor(self, a: Row, b: Row) -> Expr:
+        """C_ij of two rows, in their order."""
         key = (a.of.name, a.axis, b.of.name, b.axis)
         if key not in self._minors:
             found = a.slopes[0] * b.slopes[1] - b.slopes[0] * a.slopes[1]
@@ -187,17 +190,8 @@ class Derivation:
     def _minors(self) -> dict[tuple[str, int, str, int], Expr]:
         return {}
 
-    @staticmethod
-    def _forces(row: Row) -> list[tuple[Expr, str, Expr]]:
-        """What adds up to f of a row: factor, of what it is, force."""
-        return [
-            (row.mass, "field", row.field - row.left),
-            (ONE, f"force on {row.of.name}", row.external),
-            (ONE, f"drag on {row.of.name}", row.drag),
-        ]
-
     @cached_property
-    def _own(self) -> list[Expr]:
+    def generalised(self) -> list[Expr]:
         """Generalised forces on the coordinates themselves."""
         three = zip(self.couples, self.resisting, self.restoring, strict=True)
         return [sympy.Add(*x) for x in three]
@@ -207,18 +201,16 @@ class Derivation:
         found = [Sum() for _ in self.q]
         if len(self.q) == 1:
             for row in self.rows:
-                for factor, what, force in self._forces(row):
+                for factor, what, force in row.forces:
                     found[0].add(factor, what, row.slopes[0] * force)
-            found[0].add(ONE, "couples", self._own[0])
+            found[0].add(ONE, "couples", self.generalised[0])
             return found
         for a, b in combinations(self.rows, 2):
-            c = self._minor(a, b)
+            c = self.minor(a, b)
             if c == 0:
                 continue
             # of both at once: shorter before it is multiplied
-            for (of_a, what, fa), (of_b, other, fb) in zip(
-                self._forces(a), self._forces(b), strict=True
-            ):
+            for (of_a, what, fa), (of_b, other, fb) in zip(a.forces, b.forces, strict=True):
                 for k, sign in ((1, 1), (0, -1)):
                     if what == other:
                         one = shorter(fa * b.slopes[k] - fb * a.slopes[k])
@@ -230,84 +222,18 @@ class Derivation:
             j0, j1 = row.slopes
             for k, term in enumerate(
                 (
-                    self._own[0] * j1 * j1 - self._own[1] * j0 * j1,
-                    self._own[1] * j0 * j0 - self._own[0] * j0 * j1,
+                    self.generalised[0] * j1 * j1 - self.generalised[1] * j0 * j1,
+                    self.generalised[1] * j0 * j0 - self.generalised[0] * j0 * j1,
                 )
             ):
                 found[k].add(row.mass, "couples", term)
         return found
 
-    # -- reactions -------------------------------------------------------------------------------
-    def reaction(self, factors: list[Expr]) -> Expr:
-        """sum factor_i R_i, a factor to each row, damping of the masses included."""
-        total = Sum()
-        damping = ZERO
-        for row, factor in zip(self.rows, factors, strict=True):
-            if factor != 0:
-                total = total.plus(self._reactions[row.of.name, row.axis].times(factor))
-                damping += factor * row.drag
-        (numerator,), denominator = over([total.short()], self.determinant)
-        return numerator / denominator + shorter(damping)
-
+    # -- what the masses are held by -------------------------------------------------------------
     @cached_property
-    def _reactions(self) -> dict[tuple[str, int], Sum]:
-        """R_i D by mass and axis, without the drag itself."""
-        return {(row.of.name, row.axis): self._reaction(row).short() for row in self.rows}
-
-    def _reaction(self, row: Row) -> Sum:
-        found = Sum()
-        others = [r for r in self.rows if r is not row]
-
-        def add(of: Row, monomial: Expr, factor: Expr) -> None:
-            for m, what, force in self._forces(of):
-                found.add(m * monomial, what, factor * force)
-
-        if len(self.q) == 1:
-            (j,) = row.slopes
-            for a in others:
-                (ja,) = a.slopes
-                add(row, a.mass, -ja * ja)
-                add(a, row.mass, ja * j)
-            found.add(row.mass, "couples", j * self._own[0])
-            return found
-        for a, b in combinations(others, 2):
-            c = self._minor(a, b)
-            add(row, a.mass * b.mass, -c * c)
-            add(a, row.mass * b.mass, c * self._cross(row, b))
-            add(b, row.mass * a.mass, -c * self._cross(row, a))
-        for a in others:
-            couple = self._own[0] * a.slopes[1] - self._own[1] * a.slopes[0]
-            found.add(row.mass * a.mass, "couples", self._cross(row, a) * couple)
-        return found
-
-    def _cross(self, a: Row, b: Row) -> Expr:
-        """C_ij in the order of the rows given."""
-        if self.rows.index(a) < self.rows.index(b):
-            return self._minor(a, b)
-        return -self._minor(b, a)
-
-    @cached_property
-    def held(self) -> list[Expr]:
-        """Forces with which frame (x, y) and shapes act on the masses.
-
-        The force that goes with a shape is the power that it spends per rate of the shape.
-        """
-        found = []
-        for axis in (0, 1):
-            factors: list[Expr] = [ONE if row.axis == axis else ZERO for row in self.rows]
-            found.append(self.reaction(factors))
-        for s in self.mechanics.shapes:
-            found.append(self.reaction([row.position.diff(s) for row in self.raw]))
-        return found
-
-    def observed(self, expression: Expr) -> Expr:
-        """An expression of the statement, its reactions replaced."""
-        factors = [expression.diff(row.of.reaction[row.axis]) for row in self.rows]
-        still = {row.of.reaction[row.axis]: ZERO for row in self.rows}
-        rest = expression.subs(still)
-        if all(f == 0 for f in factors):
-            return rest
-        return self.reaction(factors) + rest
+    def reactions(self) -> Reactions:
+        """The forces with which curves, rods, frame and shapes act on the masses."""
+        return Reactions(self)
 
     @cached_property
     def constraint(self) -> Constrained | None:

@@ -43,7 +43,7 @@ def equations_source(derivation: Derivation) -> str:
     parts += _canonical(d, relative)
     parts += _turning(d)
     parts += _function("fed", d.fed)
-    parts += _function("held", d.held, d.shared)
+    parts += _function("held", d.reactions.held, d.shared)
     parts += _outputs("places", _places(d))
     energies = {"kinetic": d.kinetic, "potential": sympy.Add(*d.potential_terms)}
     parts += _outputs("energies", {f"energy.{k}": e for k, e in energies.items()})
@@ -247,9 +247,9 @@ def _reactions(d: Derivation) -> dict[str, Expr]:
     """Forces on the frame, and what the statement observes."""
     found: dict[str, Expr] = {}
     if d.mechanics.frame:
-        found = {f"{d.mechanics.frame}.f{a}": -d.held[i] for i, a in enumerate("xy")}
+        found = {f"{d.mechanics.frame}.f{a}": -d.reactions.held[i] for i, a in enumerate("xy")}
     for name, e in d.mechanics.observed.items():
-        found[name] = d.observed(sympy.sympify(e))
+        found[name] = d.reactions.observed(sympy.sympify(e))
     constraint = d.constraint
     if constraint is not None:
         found["constraint.multiplier"] = constraint.multiplier

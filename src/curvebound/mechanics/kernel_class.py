@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from sympy import Expr, Symbol
 
-from .derivation import ZERO
 from .kernel_parts import ModelParts
 from .kernel_writer import ACCELERATIONS, INVERSE
+from .sums import ZERO
 
 __all__ = ["DerivedClass", "potential_sums"]
 
@@ -27,7 +27,7 @@ class DerivedClass(ModelParts):
             self._energies(),
             self._motion(),
             self._saved(),
-            self._observe(),
+            self.outputs.lines(),
             self._words(),
         ]
         # what is written first declares and computes the constants that the others have found
@@ -91,8 +91,8 @@ class DerivedClass(ModelParts):
         lines = ["", f"    def power(self, {arguments}) -> float:", "        power = 0.0"]
         deep = " " * 12
         rates = [("hold_x", "(self.vx + t * self.ax)"), ("hold_y", "(self.vy + t * self.ay)")]
-        held = list(zip(rates, self.d.held, strict=False)) if self.m.frame else []
-        for x, force in zip(self.shapes, self.d.held[2:], strict=True):
+        held = list(zip(rates, self.d.reactions.held, strict=False)) if self.m.frame else []
+        for x, force in zip(self.shapes, self.d.reactions.held[2:], strict=True):
             own = self.d.potential.diff(x)
             a = self.names[x]
             rate = f"(self.{a}_rate + t * self.{a}_acceleration)"

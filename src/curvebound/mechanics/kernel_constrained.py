@@ -7,7 +7,8 @@ import sympy
 from .constrained import Constrained
 from .derivation import Derivation
 from .kernel_class import DerivedClass, potential_sums
-from .kernel_parts import FORCES, PLACES, SETTINGS, VELOCITIES
+from .kernel_outputs import FORCES, PLACES, VELOCITIES
+from .kernel_parts import SETTINGS
 from .kernel_writer import FREE, INVERSE, PUSH
 from .names import Names
 
@@ -217,8 +218,7 @@ class ConstrainedClass(DerivedClass):
         return [*lines, "            self.move_frame(duration)", "            self.refresh()"]
 
     def _observed(self) -> list[str]:
-        at = {n: f"values[first + {i}]" for i, n in enumerate(self.m.outputs)}
-        d, c = self.d, self.c
+        at, d, c = self.outputs.at, self.d, self.c
         (coordinate,), (rate,) = d.q, d.v
         name = d.raw[0].of.name
         deep = " " * 12

@@ -5,12 +5,13 @@ from __future__ import annotations
 import sympy
 from sympy import Expr, Symbol
 
-from .derivation import ZERO, Derivation
+from .derivation import Derivation
 from .kernel_class import DerivedClass, potential_sums
 from .kernel_parts import SETTINGS, any_of
 from .kernel_writer import ACCELERATIONS
 from .linear import Linear
 from .names import Names
+from .sums import ZERO
 
 __all__ = ["LinearClass"]
 
@@ -163,14 +164,14 @@ class LinearClass(DerivedClass):
 
     def _forces(self) -> list[str]:
         """Newton's law of the masses in exact geometry, with the linear accelerations."""
-        if not self.observed:
+        if not self.outputs.forces:
             return []
         d = self.d
         forces = {}
         for r in d.raw:
             moved = sympy.Add(*(j * a for j, a in zip(r.slopes, ACCELERATIONS, strict=False)))
             forces[r.of.reaction[r.axis]] = r.mass * (moved + r.left - r.field) - r.external
-        at = {n: f"values[first + {i}]" for i, n in enumerate(self.m.outputs)}
+        at = self.outputs.at
         pairs = []
         if self.m.frame:
             for axis, n in enumerate("xy"):

@@ -1,4 +1,4 @@
-"""What the models of a kernel module have beside their equations: variables, motion, outputs."""
+"""What the models of a kernel module have beside their equations: fields, inputs, motion, words."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import sympy
-from sympy import Expr, Symbol
+from sympy import Symbol
 
-from .derivation import ZERO, Derivation
+from .derivation import Derivation
+from .kernel_outputs import Outputs
 from .kernel_sizes import SEARCHED, SizeParts
 from .names import Names
 from .source import Printer
 from .statement import Input
+from .sums import ZERO
 
-__all__ = ["FORCES", "PLACES", "SETTINGS", "VELOCITIES", "ModelParts", "any_of"]
+__all__ = ["SETTINGS", "ModelParts", "any_of"]
 
 SETTINGS = "parameters: dict[str, float], choices: dict[str, int]"
-#: outputs of one group are computed together
-PLACES, VELOCITIES, FRAME, ENERGIES, FORCES, LINEAR = range(6)
 
 
 class ModelParts(SizeParts):
@@ -26,6 +26,7 @@ class ModelParts(SizeParts):
 
     def __init__(self, derivation: Derivation, names: Names) -> None:
         super().__init__(derivation, names)
+        self.outputs = Outputs(self)
         moving = {s for x in self.shapes for s in (x, x.rate, x.acceleration)}
         #: symbols that are fields, constant over a communication step
         self.fields = [s for s in self._symbols if s not in self.state and s not in moving]
@@ -41,7 +42,7 @@ class ModelParts(SizeParts):
         d = self.d
         numerators, denominator = d.accelerations
         stated = [*numerators, denominator, *d.shared.values(), d.kinetic, *d.potential_terms]
-        stated += [*d.fed, *self.observed.values()]
+        stated += [*d.fed, *self.outputs.forces.values()]
         stated += [r.external for r in d.raw] + [r.drag for r in d.raw] + d.couples
         used = {s for e in stated for s in sympy.sympify(e).free_symbols}
         used -= {*d.place, *d.motion, *d.shared, *d.field}
@@ -58,20 +59,6 @@ class ModelParts(SizeParts):
         still = dict.fromkeys(self.d.external_inputs, ZERO)
         return any(e.subs(still) != 0 for e in [r.external for r in self.d.raw] + self.d.couples)
 
-    @cached_property
-    def observed(self) -> dict[str, Expr]:
-        """Forces by output."""
-        found: dict[str, Expr] = {}
-        if self.m.frame:
-            found = {f"{self.m.frame}.f{a}": -self.d.held[i] for i, a in enumerate("xy")}
-        if self.d.constraint is not None:
-            found["constraint.multiplier"] = self.d.constraint.multiplier
-            found["constraint.force"] = self.d.constraint.force
-            found["constraint.drift"] = ZERO
-        for name, e in self.m.observed.items():
-            found[name] = self.d.observed(sympy.sympify(e))
-        return found
-
     def arguments(self) -> str:
         """Arguments of acceleration(): time, coordinates, rates."""
         own = [self.names[s] for s in self.d.q] + ["_q1"] * (2 - len(self.d.q))
@@ -80,18 +67,15 @@ class ModelParts(SizeParts):
 
     def _head(self) -> list[str]:
         m = self.m
-        outputs = {n: self._group(n) for n in m.outputs}
         choices = ["model.formulation", "constraint.stabilization"] if m.constraint else []
         choices += ["model.fidelity"] if m.linear_about is not None else []
-        feedthrough = [FORCES] if self.observed else []
-        feedthrough += [LINEAR] if m.linear_about is not None else []
         lines = ["class Derived(FramedModel):", f'    """{self._meaning()}"""', ""]
         lines += _tuple("PARAMETERS", m.parameters) + _tuple("CHOICES", choices)
         lines += _tuple("INPUTS", m.inputs)
         lines.append("    OUTPUTS: ClassVar[dict[str, int]] = {")
-        lines += [f'        "{n}": {group},' for n, group in outputs.items()]
+        lines += [f'        "{n}": {group},' for n, group in self.outputs.groups.items()]
         lines.append("    }")
-        numbers = "".join(f"{g}, " for g in feedthrough).strip()
+        numbers = "".join(f"{g}, " for g in self.outputs.feedthrough).strip()
         lines.append(f"    FEEDTHROUGH: ClassVar[tuple[int, ...]] = ({numbers})")
         lines += [] if m.is_affine else ["    AFFINE: ClassVar[bool] = False"]
         lines += ["", "    def __init__(self) -> None:", "        super().__init__()"]
@@ -128,19 +112,6 @@ class ModelParts(SizeParts):
         found = [f"{f} = {c.name}" for c, f in self.coordinates]
         return ", ".join(found) + "."
 
-    def _group(self, name: str) -> int:
-        if name.startswith("energy."):
-            return ENERGIES
-        if name in self.observed:
-            return FORCES
-        if name == "model.acceleration_error":
-            return LINEAR
-        own = [n for x in self.shapes for n in (x.name, x.rate.name)]
-        if name in own or (self.m.frame and name.rpartition(".")[0] == self.m.frame):
-            return FRAME
-        masses = {f"{x.name}.v{a}" for x in self.m.masses for a in "xy"}
-        return VELOCITIES if name in masses else PLACES
-
     def _start(self) -> list[str]:
         lines = [
             "",
@@ -171,8 +142,8 @@ class ModelParts(SizeParts):
             "    def place(self, parameters: dict[str, float], choices: dict[str, int]) -> None:",
         ]
         lines += ['        """Bring the initial state into the form that is integrated."""']
-        for i, f in enumerate(self.turning):
-            turns = "turns1" if i else "turns"
+        for f in self.turning:
+            turns = self.turns_of(f)
             lines.append(f"        self.{f}, self.{turns} = reduce_angle(self.{f})")
             lines.append(f"        self.settles = self.settles or self.{turns} != 0.0")
         lines += ["        self.scale()", "", "    def scale(self) -> None:"]
@@ -262,11 +233,10 @@ class ModelParts(SizeParts):
 
     def _reduced(self, then: str) -> list[str]:
         lines = []
-        for i, f in enumerate(self.turning):
-            turns = "turns1" if i else "turns"
+        for f in self.turning:
             lines.append(f"        if math.fabs(self.{f}) > TURN:")
             lines.append(f"            self.{f}, turns = reduce_angle(self.{f})")
-            lines.append(f"            self.{turns} += turns")
+            lines.append(f"            self.{self.turns_of(f)} += turns")
             lines += [f"            {then}"] if then else []
         return lines
 
@@ -289,47 +259,6 @@ class ModelParts(SizeParts):
             lines += ["", "    def undo(self) -> None:"]
             lines += [f"        self.{n} = self.kept_{n}" for n in others]
             lines += ["        super().undo()"]
-        return lines
-
-    # -- observation -----------------------------------------------------------------------------
-    def _observe(self) -> list[str]:
-        at = {n: f"values[first + {i}]" for i, n in enumerate(self.m.outputs)}
-        d = self.d
-        places: list[tuple[str, Expr]] = []
-        velocities: list[tuple[str, Expr]] = []
-        for r in d.raw:
-            axis = "xy"[r.axis]
-            places.append((at[f"{r.of.name}.{axis}"], d.place[r.axis] + r.position))
-            velocities.append((at[f"{r.of.name}.v{axis}"], d.motion[r.axis] + d.velocity(r)))
-        lines = ["", "    def observe(self, group: int, values: Values, first: int) -> None:"]
-        deep = " " * 12
-        lines.append(f"        if group == {PLACES}:")
-        for (c, f), (v, g) in zip(self.coordinates, self.rates, strict=True):
-            value = f"self.{f}"
-            if f in self.turning:
-                value = f"unwind(self.{f}, self.{'turns1' if self.turning.index(f) else 'turns'})"
-            lines += [f"{deep}{at[c.name]} = {value}", f"{deep}{at[v.name]} = self.{g}"]
-        lines += self.body(places, indent=deep)
-        lines.append(f"        elif group == {VELOCITIES}:")
-        lines += self.body(velocities, indent=deep)
-        own = [(f"{self.m.frame}.{n}", n) for n in ("x", "y", "vx", "vy")] if self.m.frame else []
-        own += [(s.name, self.names[s]) for x in self.shapes for s in (x, x.rate)]
-        if own:
-            lines.append(f"        elif group == {FRAME}:")
-            lines += [f"{deep}{at[name]} = self.{field}" for name, field in own]
-        lines.append(f"        elif group == {ENERGIES}:")
-        start = self.m.outputs.index("energy.kinetic")
-        lines.append(f"{deep}self.write_energies(values, first + {start})")
-        if self.observed:
-            lines.append(f"        elif group == {FORCES}:")
-            lines.append(f"{deep}self.write_forces(values, first)")
-        if self.m.linear_about is not None:
-            lines += ["        else:"]
-            lines.append(f"{deep}{at['model.acceleration_error']} = self.acceleration_error()")
-        if self.observed:
-            lines += ["", "    def write_forces(self, values: Values, first: int) -> None:"]
-            lines.append(f'        """Write the outputs of group {FORCES}."""')
-            lines += self.body([(at[n], e) for n, e in self.observed.items()])
         return lines
 
     def _words(self) -> list[str]:

@@ -31,6 +31,10 @@ class SizeParts(Writer):
         """State fields of the angles whose whole turns change nothing."""
         return [f for c, f in self.coordinates if c.is_angle and self._periodic(c)]
 
+    def turns_of(self, field: str) -> str:
+        """The field that counts the whole turns of an angle's field."""
+        return "turns1" if self.turning.index(field) else "turns"
+
     def _periodic(self, c: Symbol) -> bool:
         stated = [r.position for r in self.d.raw] + [r.external for r in self.d.raw]
         stated += [self.d.potential, *self.d.couples, *map(sympy.sympify, self.m.observed.values())]

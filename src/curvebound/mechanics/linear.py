@@ -17,8 +17,8 @@ from itertools import combinations
 import sympy
 from sympy import Expr
 
-from .derivation import ONE, ZERO, Derivation
-from .sums import Sum, over, shorter
+from .derivation import Derivation
+from .sums import ONE, ZERO, Sum, over, shorter
 
 __all__ = ["Linear"]
 
@@ -71,7 +71,7 @@ class Linear:
                         for c, x in zip(self.q, self.away, strict=True)
                     )
                 )
-                for factor, what, force in Derivation._forces(row):
+                for factor, what, force in row.forces:
                     still = self._at_rest(force)
                     term = self.slopes[i][k] * self.first(force) + bent * still
                     found[k].append((factor, what, sympy.expand(term)))

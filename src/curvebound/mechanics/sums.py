@@ -10,9 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import sympy
-from sympy import Expr, Symbol
+from sympy import Expr, Integer, Symbol
 
-__all__ = ["Sum", "over", "shorter"]
+__all__ = ["ONE", "ZERO", "Sum", "over", "shorter"]
+
+ONE = Integer(1)
+ZERO = Integer(0)
 
 #: monomial of masses, and what the term is of
 Key = tuple[Expr, str]
