@@ -12,15 +12,13 @@ from .capabilities import lacking, located, stops
 from .fmu import Fmu, Value, Variable, read_fmu
 from .ordering import Ordering
 from .scene_data import SceneData
-from .scene_parts import ALGORITHMS, HOLDS, Component
+from .scene_parts import Component
+from .scene_settings import unusable
 from .signals import Signal, signal
 from .system import Link, Node, Port, System, port_of
 from .system import path_of as _path
 
 __all__ = ["resolve"]
-
-#: the algorithms that a slope of the inputs raises by an order
-_HOLDING = [name for name, algorithm in ALGORITHMS.items() if algorithm.order == 1]
 
 
 def resolve(scene: SceneData) -> System:
@@ -42,7 +40,7 @@ class _Resolution:
         self.signals: dict[Port, Signal] = {}
 
     def run(self) -> System:
-        self._settings()
+        self.problems += unusable(self.scene)
         for component in self.scene.components.values():
             self._component(component)
         self._stop()  # names below can only be judged against FMUs that were read
@@ -69,42 +67,6 @@ class _Resolution:
             raise self.error(
                 f"The scene {self.scene.name} has {len(self.problems)} problem{plural}:{lines}"
             )
-
-    def _settings(self) -> None:
-        scene = self.scene
-        for name in ("start_time", "stop_time", "step"):
-            value = getattr(scene, name)
-            if not math.isfinite(value):
-                self.problems.append(f"{name} is {value}; give a finite number of seconds")
-        if not scene.step > 0.0:
-            self.problems.append(f"step is {scene.step} s; give a macro step above zero")
-        if not scene.stop_time > scene.start_time:
-            self.problems.append(
-                f"stop_time is {scene.stop_time} s; give one after start_time, {scene.start_time} s"
-            )
-        if scene.algorithm not in ALGORITHMS:
-            self.problems.append(
-                f"algorithm is {scene.algorithm!r}; " + nearest(scene.algorithm, ALGORITHMS)
-            )
-        if scene.hold not in HOLDS:
-            self.problems.append(f"hold is {scene.hold!r}; " + nearest(scene.hold, HOLDS))
-        elif scene.hold == "first" and scene.algorithm not in _HOLDING:
-            self.problems.append(
-                f"hold is 'first' with algorithm {scene.algorithm!r}, which is of order 2 by "
-                f"holding inputs; take {' or '.join(_HOLDING)}, or hold 'zero'"
-            )
-        if scene.record_every < 1:
-            self.problems.append(f"record_every is {scene.record_every}; give 1 or more")
-        for name in ("tolerance", "loop_tolerance"):
-            value = getattr(scene, name)
-            if value is not None and not (value > 0.0 and math.isfinite(value)):
-                self.problems.append(f"{name} is {value}; give a number above zero, or None")
-        if scene.adaptive is not None and not scene.adaptive.tolerance > 0.0:
-            self.problems.append(
-                f"adaptive.tolerance is {scene.adaptive.tolerance}; give a number above zero"
-            )
-        if not scene.components:
-            self.problems.append("it has no components; add one with scene.add(name, FMU)")
 
     def _component(self, component: Component) -> None:
         try:

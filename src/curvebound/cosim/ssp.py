@@ -13,10 +13,8 @@ that drive inputs become inputs of the system; resources/inputs.csv holds their 
 from __future__ import annotations
 
 import io
-import json
 import zipfile
 from collections.abc import Iterable
-from dataclasses import asdict
 from pathlib import Path
 from urllib.parse import quote
 from xml.etree import ElementTree
@@ -28,6 +26,7 @@ from .points import communication_times
 from .resolution import resolve
 from .scene_data import SceneData
 from .signals import value_of
+from .ssp_settings import write_settings
 from .system import Port, System
 from .tables import as_csv
 
@@ -317,38 +316,4 @@ class _Structure:
         algorithm = _add(platform, "osp:Algorithm")
         _add(algorithm, "osp:FixedStepAlgorithm", baseStepSize=repr(float(scene.step)))
         ours = _add(annotations, "ssc:Annotation", type=ANNOTATION)
-        _add(ours, "cvb:Scene").text = json.dumps(_settings(scene), sort_keys=True)
-
-
-def _settings(scene: SceneData) -> dict[str, object]:
-    settings: dict[str, object] = {
-        "algorithm": scene.algorithm,
-        "step": scene.step,
-        "record_every": scene.record_every,
-        "needs": asdict(scene.needs),
-    }
-    if scene.hold != "zero":
-        settings["hold"] = scene.hold
-    if scene.variants:
-        settings["variants"] = scene.variants
-    for name in ("order", "groups", "loop_tolerance", "tolerance"):
-        value = getattr(scene, name)
-        if value is not None:
-            settings[name] = value
-    if scene.adaptive is not None:
-        settings["adaptive"] = {
-            "tolerance": scene.adaptive.tolerance,
-            "scales": dict(scene.adaptive.scales),
-            "smallest": scene.adaptive.smallest,
-            "largest": scene.adaptive.largest,
-        }
-    feedthrough = {
-        component.name: component.feedthrough
-        if isinstance(component.feedthrough, bool)
-        else {output: list(inputs) for output, inputs in component.feedthrough.items()}
-        for component in scene.components.values()
-        if component.feedthrough is not None
-    }
-    if feedthrough:
-        settings["feedthrough"] = feedthrough
-    return settings
+        _add(ours, "cvb:Scene").text = write_settings(scene)

@@ -1,13 +1,15 @@
-"""What our annotation says of a scene beyond SSP: read only in the shape that we write."""
+"""What our annotation says of a scene beyond SSP: written, and read only in that shape."""
 
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from typing import Any
 
+from .scene_data import SceneData
 from .scene_parts import Adaptive, Needs
 
-__all__ = ["read_settings"]
+__all__ = ["read_settings", "write_settings"]
 
 _NUMBER = (int, float)
 _VALUE = (int, float, bool, str)
@@ -33,6 +35,36 @@ _SHAPE: dict[str, Any] = {
     },
     "feedthrough": {str: (bool, {str: [(str,)]})},
 }
+
+
+def write_settings(scene: SceneData) -> str:
+    """The text of the annotation."""
+    settings: dict[str, Any] = {
+        "algorithm": scene.algorithm,
+        "step": scene.step,
+        "record_every": scene.record_every,
+        "needs": asdict(scene.needs),
+    }
+    if scene.hold != "zero":
+        settings["hold"] = scene.hold
+    if scene.variants:
+        settings["variants"] = scene.variants
+    for name in ("order", "groups", "loop_tolerance", "tolerance"):
+        value = getattr(scene, name)
+        if value is not None:
+            settings[name] = value
+    if scene.adaptive is not None:
+        settings["adaptive"] = {**vars(scene.adaptive), "scales": dict(scene.adaptive.scales)}
+    feedthrough = {
+        component.name: component.feedthrough
+        if isinstance(component.feedthrough, bool)
+        else {output: list(inputs) for output, inputs in component.feedthrough.items()}
+        for component in scene.components.values()
+        if component.feedthrough is not None
+    }
+    if feedthrough:
+        settings["feedthrough"] = feedthrough
+    return json.dumps(settings, sort_keys=True)
 
 
 def read_settings(text: str) -> dict[str, Any]:
