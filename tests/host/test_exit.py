@@ -59,6 +59,7 @@ def test_a_python_process_ends_cleanly(bead: Unpacked, poison: Path) -> None:
     run_python(bead, poison)
 
 
+@pytest.mark.usefixtures("short_reference")
 def test_one_with_pythonfmus_binary_ends_cleanly(
     poison: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -7,6 +7,8 @@ import urllib.parse
 
 import pytest
 
+from .conftest import Answers
+
 pytestmark = pytest.mark.usefixtures("system_python")
 
 
@@ -60,15 +62,33 @@ ORDER = [
 ]
 
 
-@pytest.mark.parametrize(("commands", "words"), ORDER)
-def test_the_order_of_calls(host, bead, commands, words):
-    result = host(
-        [*bead.start(), *commands, "reset 0", "setup 0 - 0 -", "enter 0", "exit 0", "step 0 0 1"]
-    )
-    at = 1 + len(commands)
+def one_after_the_other(host, fmu, parts):
+    """What each part says, of commands in one process that has loaded the FMU."""
+    result = host([f"load 0 {fmu.binary}", *(command for part in parts for command in part)])
+    at, found = 1, []
+    for part in parts:
+        own = slice(at, at + len(part))
+        found.append(Answers(result.status, "", result.answers[own], result.logs[own]))
+        at += len(part)
+    return found
+
+
+@pytest.fixture(scope="module")
+def ordered(host, bead):
+    """What each of ORDER says, and after it the same instance once it is reset."""
+    again = ("reset 0", "setup 0 - 0 -", "enter 0", "exit 0", "step 0 0 1", "free 0")
+    parts = [[bead.new(), *commands, *again] for commands, _ in ORDER]
+    return one_after_the_other(host, bead, parts)
+
+
+@pytest.mark.parametrize("number", range(len(ORDER)))
+def test_the_order_of_calls(ordered, number):
+    commands, words = ORDER[number]
+    result = ordered[number]
+    at = len(commands)
     assert [a[0] for a in result.answers[:at]] == ["OK"] * at
     assert_refused(result, at, *words)
-    assert [a[0] for a in result.answers[at + 1 :]] == ["OK"] * 5, "it works again after fmi2Reset"
+    assert [a[0] for a in result.answers[at + 1 :]] == ["OK"] * 6, "it works again after fmi2Reset"
 
 
 def test_nothing_but_reading_after_a_failed_step(host, bead):
@@ -157,31 +177,42 @@ def test_directional_derivatives(host, bead):
 # -- instantiation
 
 
-@pytest.mark.parametrize(
-    ("name", "guid", "uri", "word"),
-    [
-        (
-            "a",
-            "{8c4e810f-3df3-4a00-8276-176fa3c9f000}",
-            None,
-            "{8c4e810f-3df3-4a00-8276-176fa3c9f000}",
-        ),
-        ("a", "NULL", None, "fmuGUID = NULL"),
-        ("NULL", None, None, "instanceName"),
-        ("EMPTY", None, None, "instanceName"),
-        ("a", None, "file:///nowhere/resources", "/nowhere/resources"),
-        ("a", None, "file://elsewhere/tmp", "elsewhere"),
-        ("a", None, "http://localhost/tmp", "http"),
-        ("a", None, "resources", "resources"),
-        ("a", None, "file:///tmp/%00", "%00"),
-        ("a", None, "file:///tmp/%FF", "%FF"),
-        ("a", None, "file:///tmp", "slavemodule"),
-    ],
-)
-def test_instantiation_that_fails_says_why(host, bead, name, guid, uri, word):
-    line = "\t".join(["new", "0", "0", name, guid or bead.guid, uri or bead.uri, "0"])
-    result = host([f"load 0 {bead.binary}", line, bead.new(0, 1)])
-    assert result.answers == [["OK"], ["Error"], ["OK"]]
+#: name, GUID and resource location, where not that of the FMU, and a word of the message
+UNUSABLE = [
+    (
+        "a",
+        "{8c4e810f-3df3-4a00-8276-176fa3c9f000}",
+        None,
+        "{8c4e810f-3df3-4a00-8276-176fa3c9f000}",
+    ),
+    ("a", "NULL", None, "fmuGUID = NULL"),
+    ("NULL", None, None, "instanceName"),
+    ("EMPTY", None, None, "instanceName"),
+    ("a", None, "file:///nowhere/resources", "/nowhere/resources"),
+    ("a", None, "file://elsewhere/tmp", "elsewhere"),
+    ("a", None, "http://localhost/tmp", "http"),
+    ("a", None, "resources", "resources"),
+    ("a", None, "file:///tmp/%00", "%00"),
+    ("a", None, "file:///tmp/%FF", "%FF"),
+    ("a", None, "file:///tmp", "slavemodule"),
+]
+
+
+@pytest.fixture(scope="module")
+def instantiated(host, bead):
+    """What each of UNUSABLE says, and a good one after it."""
+    parts = []
+    for name, guid, uri, _ in UNUSABLE:
+        line = "\t".join(["new", "0", "0", name, guid or bead.guid, uri or bead.uri, "0"])
+        parts.append([line, bead.new(0, 1), "free 1"])
+    return one_after_the_other(host, bead, parts)
+
+
+@pytest.mark.parametrize("number", range(len(UNUSABLE)))
+def test_instantiation_that_fails_says_why(instantiated, number):
+    *_, word = UNUSABLE[number]
+    result = instantiated[number]
+    assert result.answers == [["Error"], ["OK"], ["OK"]]
     assert len(result.messages) == 1
     assert result.messages[0][1] == "Error"
     assert word in result.messages[0][3] or "fmuResourceLocation" in result.messages[0][3]

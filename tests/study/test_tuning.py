@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
-from curvebound.study.grid import grid
+from curvebound.study.grid import Family, grid
 from curvebound.study.identity import identity
 from curvebound.study.precision.lessons import order_of
 from curvebound.study.precision.study import Study
@@ -208,7 +209,25 @@ def test_a_choice_is_written_once_and_replaced(short: Tuner, tmp_path: Path) -> 
         script_of("a.ssp")
 
 
-def test_a_study_resumes_and_finds_the_order(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "methods",
+    [("explicit_euler", "rk4", "adaptive"), pytest.param((), marks=pytest.mark.slow)],
+    ids=["a few", "all"],
+)
+def test_a_study_resumes_and_finds_the_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, methods: tuple[str, ...]
+) -> None:
+    """Of a few methods of one formulation, or of all that the grid has."""
+
+    def few(*arguments: Any, **options: Any) -> list[Family]:
+        return [
+            family
+            for family in grid(*arguments, **options)
+            for one in family.settings[:1]
+            if not methods or (one.method in methods and "angle" in dict(one.structure).values())
+        ]
+
+    monkeypatch.setattr("curvebound.study.precision.study.grid", few)
     scene = load_scene("bead_on_wire")
     scene.stop_time = 0.5
     journal = tmp_path / "study.jsonl"
@@ -231,7 +250,7 @@ def test_a_study_resumes_and_finds_the_order(tmp_path: Path) -> None:
     assert [r["key"] for r in second.rows[:kept]] == [r["key"] for r in first.rows]
     assert second.rows[0]["cpu"] == first.rows[0]["cpu"]  # not measured again
     assert order_of(second.rows, "angle", "rk4") == pytest.approx(4.0, abs=0.2)
-    sizes = sum(len(f.settings) for f in grid(scene, second.space, quick=True))
+    sizes = sum(len(f.settings) for f in few(scene, second.space, quick=True))
     assert len(second.rows) <= sizes
 
 

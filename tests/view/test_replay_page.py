@@ -7,6 +7,7 @@ import math
 import random
 import time
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         "bead": [("bead", BEAD)],
         "pendulum": [("pendulum", pendulum(10.0, 0.01))],
         "driven": [("driven", DRIVEN)],
-        "compared": [("projection", LONG), ("none", DRIFTING)],
+        "compared": [("projection", long()), ("none", drifting())],
     }
     return {
         name: write_replay(shown, folder / f"{name}.html", name) for name, shown in results.items()
@@ -58,8 +59,16 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 BEAD = bead(10.0, 1 / 60)
 DRIVEN = pendulum(10.0, 0.02, push=4.0)
-LONG = bead(200.0, 1 / 60)
-DRIFTING = bead(200.0, 1 / 60, project=False)
+
+
+@cache
+def long() -> Table:
+    return bead(200.0, 1 / 60)
+
+
+@cache
+def drifting() -> Table:
+    return bead(200.0, 1 / 60, project=False)
 
 
 def show(tab: Tab, t: float) -> dict[str, float]:
@@ -185,13 +194,13 @@ def test_samples_survive_the_journey(tab: Tab, pages: dict[str, Path]) -> None:
     """The decoder in the page against the result itself."""
     tab.open(pages["compared"])
     model = tab.run("curvebound.model")
-    assert np.abs(values(tab, model["results"][0]["time"]) - LONG["time"]).max() < 1e-9
-    for actor, data in zip(model["actors"], (LONG, DRIFTING), strict=True):
+    assert np.abs(values(tab, model["results"][0]["time"]) - long()["time"]).max() < 1e-9
+    for actor, data in zip(model["actors"], (long(), drifting()), strict=True):
         x = values(tab, actor["places"]["bead x"])
         assert np.abs(x - data["bead.bead.x"]).max() < 2e-7
     apart = np.hypot(
-        LONG["bead.bead.x"] - DRIFTING["bead.bead.x"],
-        LONG["bead.bead.y"] - DRIFTING["bead.bead.y"],
+        long()["bead.bead.x"] - drifting()["bead.bead.x"],
+        long()["bead.bead.y"] - drifting()["bead.bead.y"],
     )
     plot = next(plot for plot in model["plots"] if plot["title"] == "Distance from projection")
     found = values(tab, plot["series"][0]["values"])
@@ -205,7 +214,7 @@ def test_an_overlay_shows_what_a_cheap_setting_costs(tab: Tab, pages: dict[str, 
     heads = "[...document.querySelectorAll('#readouts tr:first-child th')]"
     assert tab.run(f"{heads}.map((one) => one.textContent)") == ["", "projection", "none"]
     tab.run("curvebound.scene.trail = 0")
-    camera = show(tab, float(LONG["time"][11_400]))
+    camera = show(tab, float(long()["time"][11_400]))
     held, left = middle(tab, "actors[0]"), middle(tab, "actors[1]")
     assert held[2] > 100
     assert left[2] > 50
@@ -216,7 +225,7 @@ def test_an_overlay_shows_what_a_cheap_setting_costs(tab: Tab, pages: dict[str, 
 
     assert pixels_off_the_wire(held) < 1.5
     assert pixels_off_the_wire(left) > 15
-    data = DRIFTING[11_400]
+    data = drifting()[11_400]
     assert away(camera, left, data["bead.bead.x"], data["bead.bead.y"]) < 1.5
 
 
