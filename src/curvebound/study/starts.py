@@ -72,13 +72,13 @@ def surrounding(
     corners = [np.ones(dimensions), -np.ones(dimensions)]
     while len(corners) < (count + 1) // 2:
         corners.append(random.choice([-1.0, 1.0], dimensions))
-    inside = count - len(corners)
+    inside = max(0, count - len(corners))
     columns = [
         (random.permutation(inside) + random.random(inside)) / max(1, inside) * 2.0 - 1.0
         for _ in range(dimensions)
     ]
     points = [np.zeros(dimensions), *corners[:count]]
-    points += [np.array([column[i] for column in columns]) for i in range(max(0, inside))]
+    points += [np.array([column[i] for column in columns]) for i in range(inside)]
     return _scaled(own, set_points(system), np.array(points), spread)
 
 
