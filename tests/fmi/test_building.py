@@ -16,7 +16,7 @@ from source_copies import build_edited, build_from, copy_sources, declarations
 
 from curvebound.errors import CurveboundError
 from curvebound.fmi import binaries
-from curvebound.fmi.build import build
+from curvebound.fmi.build import _write, build
 from curvebound.fmi.compile import why_not
 
 NAMES = tuple(INTERFACE)
@@ -219,3 +219,23 @@ def test_pythonfmus_binary_offers_no_derivatives(
     assert offered.get("providesDirectionalDerivative") == "false"
     assert offered.get("canInterpolateInputs") == "false"
     assert offered.get("maxOutputDerivativeOrder") == "0"
+
+
+def test_an_archive_is_the_same_wherever_it_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The description first, then by name; one date, which archives have from 1980 on."""
+    files = {"b.txt": b"1" * 1000, "modelDescription.xml": b"2", "a.so": b"3", "c.dll": b"4"}
+    for epoch, date in (("0", (1980, 1, 1, 0, 0, 0)), ("1234567890", (2009, 2, 13, 23, 31, 30))):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
+        _write(tmp_path / "a.zip", files)
+        with zipfile.ZipFile(tmp_path / "a.zip") as archive:
+            found = archive.infolist()
+            assert {info.filename: archive.read(info) for info in found} == files
+        assert [info.filename for info in found] == [
+            "modelDescription.xml", "a.so", "b.txt", "c.dll"
+        ]  # fmt: skip
+        assert {info.date_time for info in found} == {date}
+        assert [info.external_attr >> 16 for info in found] == [0o644, 0o755, 0o644, 0o755]
+        assert {info.create_system for info in found} == {3}
+        assert found[2].compress_size < 100

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from curvebound.fmi import compile
+from curvebound.fmi.compile import why_not
+from curvebound.fmi.declaration import OUTPUT
 from curvebound.fmi.engine import near
 from curvebound.fmi.folder import find
+from curvebound.fmi.reference import reference_inputs, reference_result
 from curvebound.fmi.slave import table_of
 from curvebound.fmi.table import ERROR, LARGEST, OVERFLOW, WARNING
 
@@ -421,3 +427,77 @@ def test_failed_steps_tell_what_would_do() -> None:
     assert "with internal steps of 1.0 s" in text
     assert text.endswith("reduce solver.step, or choose solver.method = adaptive")
     assert fast.get_state() == before
+
+
+def test_a_linear_model_beyond_its_range_is_told_at_once_and_once() -> None:
+    made = started("ParabolaPendulum", model__fidelity=1, pendulum__angle_start=1.5)
+    (message,) = made.queue
+    assert (message.status, message.category) == (WARNING, "logStatusWarning")
+    assert "model.acceleration_error" in message.msg
+    for k in range(10):
+        made.do_step(k / 100, 0.01)
+    assert len(made.queue) == 1
+
+
+@pytest.mark.parametrize(("doubt", "loss", "count"), [(0, 0, 0), (2e-6, 0, 1), (0, 2e-6, 1)])
+def test_what_rounding_and_growing_errors_make_of_the_tolerance_is_told(
+    monkeypatch: pytest.MonkeyPatch, doubt: float, loss: float, count: int
+) -> None:
+    made = started(solver__method=4)
+    monkeypatch.setattr(made.method, "doubt", lambda: doubt)
+    monkeypatch.setattr(made.method, "loss", lambda: loss)
+    for k in range(3):
+        made.do_step(k / 10, 0.1)
+    assert [message.status for message in made.queue] == [WARNING] * count
+    assert all("solver.tolerance = 1e-06" in message.msg for message in made.queue)
+    assert all("magnifies" in message.msg for message in made.queue)
+
+
+def test_inputs_of_a_reference_experiment() -> None:
+    """A number stays, a sine is one, and an item is its number."""
+    given = {"waveform.kind": "step", "waveform.axis": "y", "slider.u": (2.0, 0.25),
+             "slider.u_rate": 3.0}  # fmt: skip
+    fmu = find("ParabolaDrive").fmu()
+    made: Any = SimpleNamespace(name="Drive", reference_inputs=given, variables=fmu.variables)
+    assert reference_inputs(made, 1.0) == {
+        "waveform.kind": 4.0, "waveform.axis": 2.0, "slider.u": 2.0, "slider.u_rate": 3.0
+    }  # fmt: skip
+    assert reference_inputs(made, 3.0)["slider.u"] == pytest.approx(-2.0)
+    given["slider.u"] = "step"
+    with pytest.raises(RuntimeError, match=r"slider\.u is no enumeration, and cannot be step"):
+        reference_inputs(made, 0.0)
+
+
+def test_what_a_reference_experiment_gives() -> None:
+    """All outputs at all communication points, by the exact settings or by the FMU's own."""
+    fmu = find("BeadOnWire").fmu()
+    fmu = fmu._replace(stop_time=5 * fmu.step_size)
+    usual, exact = (reference_result(fmu, exact=exact) for exact in (False, True))
+    times = [k * fmu.step_size for k in range(6)]
+    for found in (usual, exact):
+        assert found.time == found.outputs["time"] == found.inputs["time"] == times
+        assert {len(column) for column in found.outputs.values()} == {6}
+        assert set(found.outputs) == {"time", *(v.name for v in fmu.variables if v.kind == OUTPUT)}
+    energies = [abs(x) for x in exact.outputs["energy.residual"]]
+    assert max(energies) < 1e-13
+    assert exact.outputs["bead.y"] == pytest.approx(usual.outputs["bead.y"], abs=1e-9)
+    assert exact.outputs["bead.y"] != usual.outputs["bead.y"]
+
+
+def test_why_nothing_can_be_compiled(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    for name in ("compiled_directory", "compiler_for", "cython_version", "headers"):
+        monkeypatch.setattr(compile, name, lambda *_: tmp_path)
+    assert why_not("linux64") == ""
+    for name, told in (
+        ("headers", "no Python.h"),
+        ("cython_version", "no Cython, which curvebound[compiler] brings"),
+        ("compiler_for", "no C compiler for win64"),
+    ):
+        monkeypatch.setattr(compile, name, lambda *_: None)
+        assert why_not("win64") == told
+    assert why_not(compile.HERE) == "no C compiler found"
+    assert why_not("") == f"this is none of {', '.join(compile.PLATFORMS)}"
+    # unless it comes with the package
+    file = tmp_path / f"{compile.runtime().extension}{compile.SUFFIXES[compile.HERE]}"
+    file.write_bytes(b"")
+    assert why_not(compile.HERE) == ""
