@@ -101,6 +101,25 @@ def test_a_foreign_one_passes(foreign: Make) -> None:
 
 
 @pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ("0,nan\n1,0\n", "its column x holds NaN or infinity"),
+        ("0,0\n1,0\n0.5,0\n", "its times go back"),
+        ("0,0\n1e9,0\n", "communication points, and a check takes 1000000 at most"),
+    ],
+)
+def test_a_reference_that_is_none(rows: str, words: str, foreign: Make, tmp_path: Path) -> None:
+    (tmp_path / "r.csv").write_text(f"time,x\n{rows}")
+    found = told(foreign("NONE"), reference=tmp_path / "r.csv")
+    assert words in " ".join(text for _, text in found.values()), found
+
+
+def test_steps_that_cannot_be_run(foreign: Make) -> None:
+    found = told(foreign("NONE"), "simulation", stop=1e9, step=1e-9)
+    assert "communication points, and a check takes 1000000 at most" in found["simulation"][1]
+
+
+@pytest.mark.parametrize(
     ("fault", "failed", "words"),
     [
         ("EQUATION", "against_reference", "Oscillator_ref.csv by up to 0.0"),

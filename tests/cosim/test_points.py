@@ -38,6 +38,12 @@ def test_a_jump_at_a_multiple_adds_no_step_and_is_not_missed_by_rounding(n):
     assert jump in times
 
 
+@pytest.mark.parametrize("step", [1e7, 1e9, 1e300])
+def test_a_run_far_shorter_than_its_step_is_one_step_and_keeps_its_jumps(step):
+    assert communication_times(0.0, 0.1, step) == [0.0, 0.1]
+    assert communication_times(0.0, 0.1, step, [0.05]) == [0.0, 0.05, 0.1]
+
+
 def driven(mass_fmu, jump, **settings):
     scene = Scene("jump", stop_time=5.0, step=0.15, **settings)
     scene.add("one", mass_fmu, {"k": 1.0, "kc": 1.0})

@@ -71,6 +71,18 @@ def test_each_setting_alone_is_named(mass_fmu, settings, words):
     assert words in text
 
 
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"step": 1e-300}, "which rounding loses beside the time 1.0 s"),
+        ({"step": 1e-15}, "do not fit into memory: take a longer step"),
+    ],
+)
+def test_steps_too_short_to_run_say_what_helps(mass_fmu, settings, words):
+    with pytest.raises(CurveboundError, match=words):
+        scene_of(("one", mass_fmu), stop_time=1.0, **settings).run()
+
+
 def test_settings_at_the_edge_are_taken(mass_fmu):
     least = {"record_every": 1, "tolerance": 5e-324, "loop_tolerance": 5e-324, "step": 5e-324}
     scene_of(("one", mass_fmu), **least).check()
@@ -222,6 +234,11 @@ def test_setting_by_name(mass_fmu):
         scene.set("on.k", 1.0)
     with pytest.raises(CurveboundError, match="did you mean step"):
         scene.set("stepp", 1.0)
+
+
+def test_a_component_is_no_variable(mass_fmu):
+    with pytest.raises(CurveboundError, match=r"one is a component: name a variable of it, one\."):
+        scene_of(("one", mass_fmu)).set("one", 3.0)
 
 
 def test_copies_are_independent(mass_fmu):

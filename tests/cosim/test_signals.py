@@ -46,6 +46,34 @@ def test_csv_files(tmp_path, gain_fmu):
         scene.run()
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["\ufefftime,mass.other\n0,1\n1,3\n", "time [ms],mass.other [kN]\n0,0.001\n1000,0.003\n"],
+    ids=["mark of a spreadsheet", "other units"],
+)
+def test_csv_files_of_spreadsheets_and_of_other_units(text, tmp_path, mass_fmu):
+    file = tmp_path / "in.csv"
+    file.write_text(text, encoding="utf-8")
+    table = signal(file, "mass.other", "N")
+    assert callable(table)
+    assert [table(t) for t in (0.0, 0.5, 1.0)] == pytest.approx([1.0, 2.0, 3.0], rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        ("time [m],a.u", "column time: its unit, m, is none of s"),
+        ("time,a.u [kg]", "column a.u: its unit, kg, is none of N"),
+        ("time,a.u [x]", "column a.u: its unit, x, is none of N"),
+    ],
+)
+def test_csv_files_of_another_quantity_are_refused(head, words, tmp_path):
+    file = tmp_path / "in.csv"
+    file.write_text(f"{head}\n0,1\n")
+    with pytest.raises(CurveboundError, match=words):
+        signal(file, "a.u", "N")
+
+
 def test_tunable_parameters_can_be_driven(gain_fmu):
     scene = Scene("tuned", stop_time=1.0, step=0.25).add("a", gain_fmu).record("a.y")
     scene.input("a.tuned", lambda t: 10.0 * t).input("a.u", 1.0)

@@ -45,6 +45,12 @@ def test_grid_visits_every_combination_once_with_exact_ends() -> None:
     assert {p["a.y"] for p in points} >= {0.0, 1.0}
 
 
+def test_grids_hit_round_numbers_and_ranges_beyond_squares_of_doubles() -> None:
+    assert axis("a.method=1:6:6").values() == [1, 2, 3, 4, 5, 6]
+    assert axis("a.x=0:1:11").values() == [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1]
+    assert axis("a.x=1e-200:1e-190:3:log").values() == pytest.approx([1e-200, 1e-195, 1e-190])
+
+
 def test_latin_hypercube_has_one_point_in_each_slice() -> None:
     design = Design([axis("a.x=0:1"), axis("a.y=0:1")], latin=50, seed=3)
     for path in ("a.x", "a.y"):

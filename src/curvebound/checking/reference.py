@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from ..cosim.fmu import Fmu, extracted
 from ..cosim.tables import read_csv
+from ..numbers import plain
 from .finding import Wrong
 
-__all__ = ["Distance", "ReferenceTable", "carried"]
+__all__ = ["Distance", "ReferenceTable", "carried", "require_few"]
 
 Array = NDArray[np.float64]
+_MOST = 1_000_000  # communication points of a run
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,16 @@ class Distance:
     first: float
 
 
+def require_few(count: float, start: float, stop: float, step: float) -> None:
+    """Wrong where a run has more communication points than a check takes."""
+    if not count <= _MOST:
+        raise Wrong(
+            f"a run from {start:g} s to {stop:g} s in steps of {step:g} s has "
+            f"{plain(count)} communication points, and a check takes {_MOST} at most: give --step "
+            "or --stop"
+        )
+
+
 class ReferenceTable:
     """Outputs over time, read from `path`; inputs (from another file) by name, or none.
 
@@ -36,10 +48,16 @@ class ReferenceTable:
 
     def __init__(self, fmu: Fmu, path: Path, inputs: Path | None = None) -> None:
         self.path = path
-        table = read_csv(path)
+        units = {variable.name: variable.unit for variable in fmu.variables.values()}
+        table = read_csv(path, units)
         names = table.dtype.names or ()
         if "time" not in names:
             raise Wrong(f"{path.name} has no column time")
+        for name in names:
+            if not np.all(np.isfinite(table[name])):
+                raise Wrong(f"{path.name}: its column {name} holds NaN or infinity")
+        if np.any(np.diff(table["time"]) < 0.0):
+            raise Wrong(f"{path.name}: its times go back")
         keep = np.append(np.diff(table["time"]) > 0.0, True)  # the later of two at one time
         table = table[keep]
         self.time: Array = table["time"].astype(float)
@@ -49,7 +67,7 @@ class ReferenceTable:
         if not self.columns or len(self.time) < 2:
             raise Wrong(f"{path.name} has no output of {fmu.model_name} over time")
         self.units = {name: fmu.variables[name].unit or name for name in self.columns}
-        self._given: Any = None if inputs is None else read_csv(inputs)
+        self._given: Any = None if inputs is None else read_csv(inputs, units)
         self._settable = [v.name for v in fmu.variables.values() if v.is_drivable]
 
     def inputs(self, points: Array) -> dict[str, Array]:
@@ -72,9 +90,10 @@ class ReferenceTable:
         if step is None:
             return self.time
         numbers = (self.time - start) / step
-        if np.abs(numbers - np.round(numbers)).max() > 1e-6:
+        if numbers[0] < -0.5 or np.abs(numbers - np.round(numbers)).max() > 1e-6:
             return self.time
         count = round(float(numbers[-1]))
+        require_few(count, start, float(self.time[-1]), step)
         return np.array([start + step * k for k in range(count + 1)])
 
     def relative(self, names: list[str], points: Array, rows: Array) -> Array:

@@ -11,7 +11,8 @@ from ..cosim.fmu import Fmu
 from ..cosim.points import communication_times
 from ..errors import CurveboundError, nearest
 from .experiment import Experiment, Runner
-from .reference import Distance, ReferenceTable, carried
+from .finding import Wrong
+from .reference import Distance, ReferenceTable, carried, require_few
 from .request import Request
 
 __all__ = ["Subject"]
@@ -50,7 +51,11 @@ class Subject:
         if table is not None and request.stop is None and request.step is None:
             points = table.points(start, step)
         else:
-            points = np.array(communication_times(start, stop, step or (stop - start) / 100.0))
+            step = step or (stop - start) / 100.0
+            if not (stop > start and step > 0.0):
+                raise Wrong(f"there is no run from {start:g} s to {stop:g} s by {step:g} s")
+            require_few((stop - start) / step, start, stop, step)
+            points = np.array(communication_times(start, stop, step))
         inputs = {} if table is None else table.inputs(points)
         for name in request.start:
             if name not in fmu.variables or not fmu.variables[name].is_settable_start:

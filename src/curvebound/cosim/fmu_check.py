@@ -32,14 +32,15 @@ def check_structure(path: Path) -> None:
         raise ValueError(f"modelDescription.xml is no XML: {error}") from error
     if root.tag != "fmiModelDescription":
         raise ValueError(f"modelDescription.xml begins with {root.tag}, not fmiModelDescription")
+    version = root.get("fmiVersion", "none")
+    if not version.startswith("2."):
+        raise ValueError(f"it is of FMI {version}; taken are FMUs of FMI 2.0 for co-simulation")
     variables = root.findall("ModelVariables/ScalarVariable")
     for number, variable in enumerate(variables, 1):
         for attribute in ("name", "valueReference"):
             if not variable.get(attribute):
                 raise ValueError(f"its variable number {number} has no {attribute}")
     count = len(variables)
-    if not root.get("fmiVersion", "").startswith("2."):
-        return  # refused for that, or of another structure
     for group in root.findall("ModelStructure/*"):
         for unknown in group:
             words = [unknown.get("index", ""), *unknown.get("dependencies", "").split()]

@@ -24,12 +24,15 @@ class MacroStep(NamedTuple):
 def count_steps(start: float, stop: float, step: float) -> tuple[int, float]:
     """Number of whole macro steps from start to stop, and the length of a last shorter one (or 0).
 
-    A rest below 1e-9 steps is rounding, and the last step then ends at `stop` all the same.
+    A rest below 1e-9 steps is rounding, and the last step then ends at `stop` all the same. A run
+    shorter than that is still one step.
     """
     exact = (stop - start) / step
     count = math.floor(exact + NEAR * max(1.0, exact))
     rest = stop - (start + count * step)
-    return (count, rest) if rest > NEAR * step * max(1.0, exact) else (count, 0.0)
+    if count and rest <= NEAR * step * max(1.0, exact):
+        rest = 0.0
+    return count, rest
 
 
 def macro_steps(
@@ -43,18 +46,19 @@ def macro_steps(
     """
     count, rest = count_steps(start, stop, step)
     total = count + (rest > 0.0)
+    near = NEAR * min(step, stop - start)
     time = start + done * step if done else start
     ahead = iter([jump for jump in jumps if time < jump < stop])
     jump = next(ahead, math.inf)
     for n in range(done + 1, total + 1):
         # multiples, never sums: rounding does not pile up
         end = stop if n == total else start + n * step
-        while jump < end - NEAR * step:
-            if jump > time + NEAR * step:
+        while jump < end - near:
+            if jump > time + near:
                 yield MacroStep(time, jump - time, jump, False)
                 time = jump
             jump = next(ahead, math.inf)
-        if jump <= end + NEAR * step:
+        if jump <= end + near:
             end = end if n == total else jump
             jump = next(ahead, math.inf)
         uncut = time == start + (n - 1) * step and n <= count

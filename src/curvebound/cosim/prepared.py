@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 
 from ..errors import CurveboundError, nearest
+from ..numbers import plain
 from .adaptive import adaptive_steps
 from .algorithms import advance_of
 from .counters import Counters
@@ -90,7 +91,7 @@ class Prepared:
         rows = 1024
         if self.scene.adaptive is None:
             rows = count_steps(begin, end, size)[0] // every + 3
-        recording = Recording(self.system, self.exchange, rows)
+        recording = self._recording(rows)
         counters = Counters()
         self.log.clear()
         notes: list[str] = []
@@ -138,6 +139,16 @@ class Prepared:
             progress(end)
         return result
 
+    def _recording(self, rows: int) -> Recording:
+        try:
+            return Recording(self.system, self.exchange, rows)
+        except (MemoryError, ValueError) as error:  # numpy's, of what is too much for any memory
+            raise CurveboundError(
+                f"{plain(rows)} points of the scene {self.scene.name} do not fit into memory: take "
+                "a longer step or a shorter run, record less, or only each n-th point "
+                "(record_every)."
+            ) from error
+
     def _require_times(self, begin: float, end: float, step: float) -> None:
         if not end > begin:
             raise CurveboundError(
@@ -147,6 +158,12 @@ class Prepared:
         if not step > 0.0:
             raise CurveboundError(
                 f"step is {step} s; give the scene {self.scene.name} a macro step above zero."
+            )
+        largest = max(begin, end, key=abs)
+        if largest - step == largest:
+            raise CurveboundError(
+                f"step is {step} s, which rounding loses beside the time {largest} s: give the "
+                f"scene {self.scene.name} a longer one."
             )
 
     def _steps(

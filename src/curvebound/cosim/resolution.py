@@ -224,7 +224,7 @@ class _Resolution:
                     folder = self.scene.folder
                     if isinstance(given, str | Path) and folder is not None:
                         given = folder / given
-                    value = signal(given, path)
+                    value = signal(given, path, variable.unit)
                 if callable(value):
                     self.signals[port] = value
                 else:

@@ -144,6 +144,8 @@ class SceneData:
 
     def _set_own(self, name: str, value: Value) -> None:
         own = ("step", "stop_time", "start_time", "tolerance", "loop_tolerance", *_WORDS)
+        if name in self.components:
+            raise CurveboundError(f"{name} is a component: name a variable of it, {name}.VARIABLE.")
         if name not in own:
             raise CurveboundError(
                 f"{name} is neither a path component.variable nor a setting of the scene; "

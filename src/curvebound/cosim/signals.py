@@ -30,16 +30,17 @@ def value_of(function: Signal, path: str, time: float) -> float:
         ) from error
 
 
-def signal(given: SignalLike, path: str) -> float | Signal:
+def signal(given: SignalLike, path: str, unit: str | None = None) -> float | Signal:
     """A number, or a function of time in s, from what a scene gives for the input `path`.
 
+    unit: that of the input; a file may state another one behind the name of the column.
     given: a number; a function t -> value; a pair (times, values) of equal length, times never
         decreasing; or the path of a CSV file with a column `time` and one named `path` or as its
         variable. Between its points a table is linear, before and after them constant; a time
         given twice is a jump, and the later value holds at that time.
     """
     if isinstance(given, str | Path):
-        return _table(*_columns(Path(given), path), what=f"{given}, input {path}")
+        return _table(*_columns(Path(given), path, unit), what=f"{given}, input {path}")
     if callable(given):
         return given
     with reading(f"input {path}", "Give a number, a function of time, (times, values) or a CSV."):
@@ -49,10 +50,11 @@ def signal(given: SignalLike, path: str) -> float | Signal:
         return float(given)
 
 
-def _columns(file: Path, path: str) -> tuple[list[float], list[float]]:
-    table = read_csv(file)
+def _columns(file: Path, path: str, unit: str | None) -> tuple[list[float], list[float]]:
+    able = (path, path.partition(".")[2])
+    table = read_csv(file, dict.fromkeys(able, unit))
     names = table.dtype.names or ()
-    for name in (path, path.partition(".")[2]):
+    for name in able:
         if name in names and "time" in names:
             return table["time"].tolist(), table[name].tolist()
     raise CurveboundError(

@@ -50,7 +50,7 @@ class Axis:
         if self.count == 1:
             return [self.low]
         inner = [self.at(i / (self.count - 1)) for i in range(1, self.count - 1)]
-        return [self.low, *inner, self.high]
+        return [self.low, *map(_round, inner), self.high]
 
 
 def axis(text: str) -> Axis:
@@ -76,7 +76,7 @@ def axis(text: str) -> Axis:
     _require_finite(text, (low, high))
     if len(numbers) == 3 and count < 1:
         raise CurveboundError(f"--vary {text!r}: give 1 value or more, not {count}.")
-    if logarithmic and not low * high > 0.0:
+    if logarithmic and not (low and high and (low > 0.0) == (high > 0.0)):
         raise CurveboundError(f"--vary {text!r}: log needs two ends of one sign, neither zero.")
     return Axis(path, low, high, count, logarithmic)
 
@@ -92,6 +92,12 @@ def _item(word: str) -> Value:
         return float(word)
     except ValueError:
         return word
+
+
+def _round(value: Value) -> Value:
+    """3 for 3.0000000000000004: whole numbers and enumerations are taken exactly only."""
+    short = float(f"{value:.12g}")
+    return short if abs(short - float(value)) <= 4.0 * math.ulp(short) else value
 
 
 class Design:
