@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from curvebound.view.live import recording
 from curvebound.view.live.driven import Driven
 from curvebound.view.live.pace import Pace
 from curvebound.view.live.runs import Runs
@@ -182,3 +185,37 @@ def test_runs_show_time_outputs_and_what_is_drawn_of_controls() -> None:
     assert (runs.every, first.closed, beside.closed) == ([first], [], [True])
     runs.close()
     assert (runs.every, first.closed) == ([], [True])
+
+
+def test_what_changes_is_recorded_as_a_table_and_the_rest_as_start_values(tmp_path: Path) -> None:
+    names = ("b.fx", "b.fy", "n")
+    driven = {
+        f"plant.{name}": Driven(value, 0.0) for name, value in zip(names, (1, 3, 2), strict=True)
+    }
+    driven["plant.b.fx"].put(0.5, 2.0)
+    driven["plant.b.fx"].put(0.75, 5.0)
+    plant = SimpleNamespace(start={})
+    scene = SimpleNamespace(
+        start_time=0.0, stop_time=1.0, step=0.25, components={"plant": plant},
+        inputs=dict.fromkeys(driven),
+    )  # fmt: skip
+    kinds = {"n": "Integer"}
+    system = SimpleNamespace(
+        stops=[], variable=lambda port: SimpleNamespace(kind=kinds.get(port[1], "Real"))
+    )
+    done: Any = recording._Done(scene, system, driven, np.zeros(0), [])  # type: ignore[arg-type]
+    table = done._tables()
+    assert table.dtype.names == ("time", "plant.b.fx")
+    assert table["time"].tolist() == [0.0, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0]
+    assert table["plant.b.fx"].tolist() == [1.0, 1.0, 1.0, 2.0, 2.0, 5.0, 5.0]
+    assert plant.start == {"b.fy": 3.0, "n": 2}
+    assert isinstance(plant.start["n"], int)
+    assert list(scene.inputs) == ["plant.b.fx"]
+    del driven["plant.b.fx"]
+    scene.inputs = dict.fromkeys(driven)
+    assert done._tables() is None
+    assert scene.inputs == {}
+    for file in ("a_1.csv", "a_2.py"):
+        (tmp_path / file).write_text("")
+    assert recording._free(tmp_path, "a").name == "a_3.py"
+    assert recording._free(tmp_path, "b c").name == "b_c_1.py"
