@@ -183,7 +183,7 @@ def test_feedback_is_of_order_two(name: str, algorithm: str) -> None:
         scene.hold = hold
         with Prepared(scene) as prepared:
             if true is None:
-                true = prepared.run(step=steps[-1] / 16)["plant.pendulum.angle"][-1]
+                true = prepared.run(step=steps[-1] / 8)["plant.pendulum.angle"][-1]
             ends = [prepared.run(step=h)["plant.pendulum.angle"][-1] for h in steps]
         found[hold] = [abs(end - true) for end in ends]
     orders = {hold: np.polyfit(np.log(steps), np.log(e), 1)[0] for hold, e in found.items()}

@@ -9,6 +9,7 @@ import json
 import sys
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -72,6 +73,7 @@ def demo(*, draw: bool = False) -> Data:
     return {"fmu": fmu, "scenes": scenes}
 
 
+@cache
 def _fmus() -> dict[str, Extracted]:
     folder = Path(tempfile.mkdtemp(prefix="curvebound-measured-"))
     names = ("BeadOnWire", "ParabolaPendulum")

@@ -51,8 +51,8 @@ def points_again(stated: Data) -> Data:
     """The extreme points that `points` has found, run anew."""
     found = []
     for sample in stated["samples"]:
-        drawn = draw(sample["system"], stated["points"], sample["seed"])
         numbers = [sample[which]["point"] for which in ("worst", "most")]
+        drawn = draw(sample["system"], max(numbers) + 1, sample["seed"])
         settings = SampleSettings(sample["system"])
         worst, most = run_points(settings, [drawn[number] for number in numbers])
         found.append({**sample, "worst": _point(worst), "most": _point(most)})

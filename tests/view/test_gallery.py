@@ -30,10 +30,10 @@ class Addresses(HTMLParser):
                 self.found.append(value)
 
 
-@pytest.fixture
-def gallery(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def gallery(tmp_path_factory: pytest.TempPathFactory) -> Path:
     data = bead(2.0, 0.02)
-    folder = tmp_path / "build"
+    folder = tmp_path_factory.mktemp("gallery") / "build"
     card = Card(
         title="bead & <wire>",
         shows="A bead slides.",
