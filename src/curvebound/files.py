@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
-from .errors import CurveboundError, OutsideError
+from .errors import CurveboundError, OutsideError, remedy_of
 from .locks import locked
 
 __all__ = [
@@ -177,4 +177,5 @@ def _require_file(path: Path) -> None:
 
 def _unwritable(out: Path, error: OSError) -> OutsideError:
     reason = error.strerror or error
-    return OutsideError(f"{out} cannot be written: {reason}. Make room, or choose another place.")
+    remedy = remedy_of(error) or "Choose another place."
+    return OutsideError(f"{out} cannot be written: {reason}. {remedy}")

@@ -89,6 +89,18 @@ def test_known_jumps_are_met(mass_fmu, told):
     assert result.steps < 60
 
 
+@pytest.mark.parametrize("hold", ["zero", "first"])
+def test_jumps_that_are_known_are_points_to_the_last_bit(fmus, hold):
+    """A frame driven by a table that jumps at times of no grid: nothing is late, nothing forced."""
+    scene = Scene("jump", stop_time=1.0, step=0.1, hold=hold, adaptive=Adaptive(tolerance=1e-6))
+    scene.add("bead", fmus / "BeadOnWire.fmu", {"solver.method": "adaptive"})
+    scene.input("bead.wire.ax", ([0.0, 0.333, 0.333, 0.7, 0.7], [0.0, 0.0, 5.0, 5.0, -1.0]))
+    result = scene.record("bead.wire.vx").run()
+    assert {0.333, 0.7} <= set(result.time)
+    assert result["bead.wire.vx"][-1] == pytest.approx(5.0 * 0.367 - 0.3, rel=1e-14)
+    assert not [note for note in result.notes if "lower bound" in note]
+
+
 def test_steps_follow_what_the_inputs_do(mass_fmu):
     """A pulse given as a function: steps are short while it changes."""
     scene = Scene(

@@ -57,7 +57,8 @@ SETTINGS = [
     ({"start_time": 1.0}, "stop_time is 1.0 s; give one after start_time, 1.0 s"),
     ({"hold": "frist"}, "hold is 'frist'; did you mean first"),
     ({"hold": "first", "algorithm": "strang"}, "hold is 'first' with algorithm 'strang'"),
-    ({"record_every": 0}, "record_every is 0; give 1 or more"),
+    ({"record_every": 0}, "record_every is 0; give a whole number, 1 or more"),
+    ({"record_every": 2.5}, "record_every is 2.5; give a whole number, 1 or more"),
     ({"tolerance": math.inf}, "tolerance is inf; give a number above zero, or None"),
     ({"loop_tolerance": 0.0}, "loop_tolerance is 0.0; give a number above zero, or None"),
     ({"adaptive": Adaptive(0.0)}, "adaptive.tolerance is 0.0; give a number above zero"),
@@ -121,6 +122,12 @@ def test_an_input_is_driven_once(mass_fmu):
     scene = scene_of(("one", mass_fmu), ("two", mass_fmu))
     scene.connect("one.x", "two.other").input("two.other", 1.0)
     assert "two.other is driven twice, by one.x and by the scene" in problems(scene)
+
+
+@pytest.mark.parametrize("jumps", [[math.nan, 0.5], ["a"], 0.5, [None]], ids=str)
+def test_jumps_are_times(mass_fmu, jumps):
+    with pytest.raises(CurveboundError, match=r"jumps of input one\.other: .* list of times in s"):
+        scene_of(("one", mass_fmu)).input("one.other", lambda t: 0.0, jumps=jumps)
 
 
 def test_unconnected_inputs_are_listed_once(mass_fmu):

@@ -42,9 +42,11 @@ def adaptive_steps(
     """Advance from `begin` to `end`; yields each new communication point, evaluated.
 
     first: size of the first step, in s. Communication points are multiples of one small quantum:
-    half steps are exact, and rounding does not pile up. A step that is at its lower bound is
-    taken whatever its error, and counted: across a jump of an input the error per unit of time
-    does not go to zero with the step.
+    half steps are exact, and rounding does not pile up. The times at which inputs are known to
+    jump are such points as they are: a step that ends later, however little, is led astray by a
+    slope that reaches over the jump. A step that is at its lower bound is taken whatever its error,
+    and counted: across a jump that is not known the error per unit of time does not go to zero
+    with the step.
     """
     system = schedule.system
     settings = system.scene.adaptive
@@ -74,8 +76,10 @@ def adaptive_steps(
             size += 1  # never leave less than a smallest step
         at_bound = size <= 3  # quanta: the smallest step, or that and what it may not leave
         left, right = at + size // 2, at + size
-        t, middle = begin + at * quantum, begin + left * quantum
-        reached = end if right == quanta else begin + right * quantum
+        t, middle = stops.get(at, begin + at * quantum), begin + left * quantum
+        reached = end if right == quanta else stops.get(right, begin + right * quantum)
+        if at in stops or right in stops:
+            middle = t + 0.5 * (reached - t)
         saved = schedule.save()
         counters.trials += 3
         try:
@@ -118,10 +122,10 @@ def adaptive_steps(
         size = min(most, max(2, int(size * max(_SHRINK, factor))))
 
 
-def _stops(system: System, begin: float, end: float, quantum: float) -> set[int]:
-    """Where steps end, in quanta: a step across a known jump sees it late or not at all."""
+def _stops(system: System, begin: float, end: float, quantum: float) -> dict[int, float]:
+    """Where steps end, in quanta and s: a step across a known jump sees it late or not at all."""
     return {
-        math.ceil((time - begin) / quantum * (1.0 - 1e-12))
+        math.ceil((time - begin) / quantum * (1.0 - 1e-12)): time
         for time in system.stops
         if begin < time < end
     }

@@ -5,11 +5,12 @@ What runs it is imported when it is asked for: to know a scene takes neither num
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, reading
 from .scene_data import SceneData
 from .scene_parts import Component, Connection, Jumping
 
@@ -147,8 +148,12 @@ class Scene(SceneData):
         """
         if path in self.inputs:
             raise CurveboundError(f"{path} is given twice as an input of the scene {self.name}.")
-        if jumps and callable(value):
-            value = Jumping(value, list(jumps))
+        with reading(f"jumps of input {path}", "Give a list of times in s."):
+            times = [float(time) for time in jumps]
+            if not all(map(math.isfinite, times)):
+                raise ValueError(f"they are {times}, not all of them finite")
+        if times and callable(value):
+            value = Jumping(value, times)
         self.inputs[path] = value
         return self
 

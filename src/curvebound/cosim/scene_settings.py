@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from numbers import Integral
 
 from ..errors import nearest
 from .scene_data import SceneData
@@ -38,8 +39,8 @@ def unusable(scene: SceneData) -> list[str]:
             f"hold is 'first' with algorithm {scene.algorithm!r}, which is of order 2 by "
             f"holding inputs; take {' or '.join(_HOLDING)}, or hold 'zero'"
         )
-    if scene.record_every < 1:
-        problems.append(f"record_every is {scene.record_every}; give 1 or more")
+    if not isinstance(scene.record_every, Integral) or scene.record_every < 1:
+        problems.append(f"record_every is {scene.record_every}; give a whole number, 1 or more")
     for name in ("tolerance", "loop_tolerance"):
         value = getattr(scene, name)
         if value is not None and not (value > 0.0 and math.isfinite(value)):
