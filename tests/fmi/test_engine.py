@@ -11,8 +11,8 @@ import pytest
 
 from curvebound.fmi import compile
 from curvebound.fmi.compile import why_not
+from curvebound.fmi.cutting import near
 from curvebound.fmi.declaration import OUTPUT
-from curvebound.fmi.engine import near
 from curvebound.fmi.folder import find
 from curvebound.fmi.reference import reference_inputs, reference_result
 from curvebound.fmi.slave import table_of
@@ -225,16 +225,16 @@ def test_inputs_rise_by_their_slopes_over_one_step() -> None:
     push = made.table.by_name["bead.fx"]
     slot = push - made.first_input
     made.set_real([push], [1e-6])
-    made.slopes[slot], made.sloped = 4e-6, True
+    made.slopes.each[slot], made.slopes.given = 4e-6, True
     assert made.do_step(0.0, 0.5)
     assert made.get_real([push]) == [3e-6]
-    assert (made.slopes[slot], made.sloped) == (0.0, False)
+    assert (made.slopes.each[slot], made.slopes.given) == (0.0, False)
     # impulse: 1e-6 * 0.5 + 4e-6 * 0.5^2 / 2
     assert at(made, "bead.vx") == pytest.approx(1e-6, rel=1e-9)
     assert made.do_step(0.5, 0.5)
     assert made.get_real([push]) == [3e-6]
     assert at(made, "bead.vx") == pytest.approx(2.5e-6, rel=1e-9)
-    made.slopes[slot], made.sloped = 2.1e150, True
+    made.slopes.each[slot], made.slopes.given = 2.1e150, True
     assert not made.do_step(1.0, 0.5)
     assert "bead.fx = 3e-06 N cannot be used with its derivative 2.1e+150 per s" in said(made)
 
@@ -244,7 +244,7 @@ def test_an_interrupt_leaves_no_step(monkeypatch: pytest.MonkeyPatch) -> None:
     push = made.table.by_name["bead.fx"]
     slot = push - made.first_input
     made.set_real([push], [1.0])
-    made.slopes[slot], made.sloped = 2.0, True
+    made.slopes.each[slot], made.slopes.given = 2.0, True
     before = made.get_state()
 
     def interrupt(at_end: bool) -> None:
@@ -254,12 +254,12 @@ def test_an_interrupt_leaves_no_step(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(KeyboardInterrupt):
         made.do_step(0.0, 0.1)
     assert made.get_state() == before
-    assert made.sloped
+    assert made.slopes.given
     monkeypatch.undo()
     assert made.do_step(0.0, 0.1)
     again = started()
     again.set_real([push], [1.0])
-    again.slopes[slot], again.sloped = 2.0, True
+    again.slopes.each[slot], again.slopes.given = 2.0, True
     assert again.do_step(0.0, 0.1)
     assert made.get_state() == again.get_state()
 

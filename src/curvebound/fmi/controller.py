@@ -44,7 +44,7 @@ class ControllerEngine(DerivativeEngine):
     def output_rates(self) -> list[float]:
         if not self.ready():
             return [0.0] * len(self.law.OUTPUTS)
-        return self.law.output_rates(self.slopes)
+        return self.law.output_rates(self.slopes.each)
 
     def has_changes(self) -> bool:
         return self.law.HAS_CHANGES
@@ -60,9 +60,9 @@ class ControllerEngine(DerivativeEngine):
             if late:
                 self.said_late = True
                 self.say(WARNING, late)
-        self.law.advance(self.time, duration, self.slopes)
+        self.law.advance(self.time, duration, self.slopes.each)
         # what the slopes have made of the inputs
-        self.pending = self.sloped
+        self.pending = self.slopes.given
         return ""
 
     def undo(self) -> None:

@@ -55,9 +55,8 @@ class DerivativeEngine(Engine):
                 f"order = {order} of the derivative of {self.table.names[vr]} cannot be used: "
                 "inputs are linear in time at most, give the derivative of order 1"
             )
-        elif vr - self.first_input < self.input_count:
-            self.slopes[vr - self.first_input] = value
-            self.sloped = True
+        else:
+            self.slopes.take(vr, value)
 
     def get_real_output_derivatives(self, vrs: list[int], orders: list[int]) -> list[float]:
         """Time derivatives of outputs at the present time; 0 with a message where there is none."""

@@ -11,11 +11,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..kernel.base import MOST_INPUTS, MOST_VARIABLES, Inputs, Values
+from ..kernel.base import MOST_VARIABLES, Values
+from .cutting import begins, refusal
+from .input_slopes import NO_SLOPE, InputSlopes
 from .table import (
-    CHOICE,
-    COUNT_PARAMETER,
-    EPSILON,
     ERROR,
     INPUT,
     LARGEST,
@@ -37,19 +36,6 @@ INITIALIZATION: Final = 1
 STEPPING: Final = 2
 TERMINATED: Final = 3
 _MODES: Final = ("instantiated", "initialization", "stepping", "terminated")
-
-
-def near(time: float, now: float, step: float) -> bool:
-    """Whether a communication point is the present time but for adding up or for rounding.
-
-    A host may add steps up, or round times to microseconds or to single precision: that is taken
-    for the present time where it is little beside the step (s).
-    """
-    rounding = 1e-6 + 2.4e-7 * abs(now)
-    if rounding > 0.01 * step:
-        rounding = 0.01 * step
-    difference = abs(time - now)
-    return difference <= rounding or difference <= 1e-6 * step + 16.0 * EPSILON * abs(now)
 
 
 class Engine:
@@ -74,13 +60,8 @@ class Engine:
             self.reals[vr] = table.starts[vr]
         self.integers: list[int] = [int(x) for x in table.starts]
         self.first_input: int = table.first_input
-        self.input_count: int = min(table.first_output - table.first_input, MOST_INPUTS)
-        #: of the inputs, 1/s, over the next step; and whether there is any
-        self.slopes: Inputs = [0.0] * MOST_INPUTS
-        self.sloped: bool = False
-        #: inputs and slopes at the start of a step
-        self.kept_inputs: Inputs = [0.0] * MOST_INPUTS
-        self.kept_slopes: Inputs = [0.0] * MOST_INPUTS
+        #: of the inputs, over the next step
+        self.slopes: InputSlopes = InputSlopes(table)
         #: whether inputs or tunable parameters wait to be taken over by the system
         self.pending: bool = True
         #: whether parameters have changed since the system was started from them
@@ -112,11 +93,7 @@ class Engine:
 
     def value(self, vr: int) -> str:
         """A variable with value and unit, for messages."""
-        table = self.table
-        if table.kinds[vr] == CHOICE or table.kinds[vr] == COUNT_PARAMETER:
-            return table.names[vr] + " = " + str(self.integers[vr])
-        unit = table.units[vr]
-        return table.names[vr] + " = " + repr(self.reals[vr]) + ("" if unit == "1" else " " + unit)
+        return self.table.shown(vr, self.reals[vr], self.integers[vr])
 
     # -- what subclasses know ----------------------------------------------------------------------
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
@@ -134,7 +111,7 @@ class Engine:
     def advance(self, duration: float) -> str:
         """Advance the system; after a failure undo it and return the message.
 
-        While `sloped`, inputs rise by `slopes`, and the system is left with those of the end.
+        Where `slopes` are given, inputs rise by them, and the system is left with those of the end.
         """
         raise NotImplementedError
 
@@ -273,31 +250,7 @@ class Engine:
 
     def outside_domain(self, vr: int) -> str:
         """The message for a parameter outside its domain, or ''."""
-        table = self.table
-        kind: int = table.kinds[vr]
-        if kind == CHOICE:
-            number: int = self.integers[vr]
-            items = table.items[vr]
-            if number < 1 or number > len(items):
-                listed = ", ".join([f"{i + 1} {item}" for i, item in enumerate(items)])
-                return f"{self.value(vr)} is no item of its enumeration: choose one of {listed}"
-            return ""
-        if kind == COUNT_PARAMETER:
-            if self.integers[vr] < table.minima[vr]:
-                return f"{self.value(vr)} is too small: set it to at least {int(table.minima[vr])}"
-            return ""
-        x: float = self.reals[vr]
-        if not math.isfinite(x):
-            return f"{self.value(vr)} is not finite: set {table.names[vr]} to a finite number"
-        least: float = table.minima[vr]
-        if x < least or (table.above[vr] and x <= least):
-            wanted = "above" if table.above[vr] else "not below"
-            bound = "zero" if least == 0.0 else repr(least)
-            return (
-                f"{self.value(vr)} is outside its domain: set {table.names[vr]} to a value "
-                f"{wanted} {bound}"
-            )
-        return ""
+        return self.table.outside_domain(vr, self.reals[vr], self.integers[vr])
 
     def bad_value(self) -> str:
         """The message for an input or tunable parameter that cannot be used, or ''."""
@@ -407,53 +360,7 @@ class Engine:
 
     def unknown(self, vr: int, type_: str) -> None:
         """A value reference that does not belong to a variable of the type."""
-        number = vr if vr >= 0 else vr + 4294967296  # PythonFMU's wrapper passes signed integers
-        table = self.table
-        if number < table.size:
-            own = table.type_of(vr)
-            function = "Integer" if own == "Enumeration" else own
-            self.fail(
-                f"value reference {number} is {table.names[vr]} of type {own}, not {type_}: "
-                f"use fmi2Get{function} and fmi2Set{function}"
-            )
-            return
-        self.fail(
-            f"value reference {number} is not a variable of type {type_}: "
-            "use the value references of modelDescription.xml"
-        )
-
-    def begin_slopes(self, step_size: float) -> str:
-        """Remember inputs and slopes; the message for one that cannot be used, or ''."""
-        for i in range(self.input_count):
-            slope = self.slopes[i]
-            self.kept_slopes[i] = slope
-            if slope != 0.0:
-                x: float = self.reals[self.first_input + i]
-                self.kept_inputs[i] = x
-                if not abs(x + slope * step_size) <= LARGEST or not abs(slope) <= LARGEST:
-                    return (
-                        f"{self.value(self.first_input + i)} cannot be used with its derivative "
-                        f"{slope!r} per s over a communication step of {step_size!r} s: set finite "
-                        f"numbers with which the input stays at most {LARGEST!r} in size"
-                    )
-        return ""
-
-    def end_slopes(self, step_size: float) -> None:
-        """Leave the inputs where their slopes have brought them."""
-        self.sloped = False
-        for i in range(self.input_count):
-            slope = self.slopes[i]
-            if slope != 0.0:
-                self.reals[self.first_input + i] = self.kept_inputs[i] + slope * step_size
-                self.slopes[i] = 0.0
-
-    def restore_slopes(self) -> None:
-        """Undo end_slopes()."""
-        self.sloped = True
-        for i in range(self.input_count):
-            self.slopes[i] = self.kept_slopes[i]
-            if self.slopes[i] != 0.0:
-                self.reals[self.first_input + i] = self.kept_inputs[i]
+        self.fail(self.table.wrong_type(vr, type_))
 
     def ready(self) -> bool:
         """Bring the system up to date with parameters and inputs; whether that is possible."""
@@ -496,47 +403,38 @@ class Engine:
         """One communication step; False and one error message where it fails."""
         if self.mode != STEPPING:
             return self.out_of_order("fmi2DoStep", "between initialization and termination")
-        if not 0.0 < step_size <= LARGEST:
-            return self.fail(
-                f"communicationStepSize = {step_size!r} s cannot be used: "
-                "give a finite step size above zero"
-            )
         now = self.time
-        if current_time != now and not near(current_time, now, step_size):
-            return self.fail(
-                f"currentCommunicationPoint = {current_time!r} s is not the present time "
-                f"{now!r} s: continue from there, or restore a state saved at the wanted time"
-            )
-        end = current_time + step_size
-        if end <= current_time:
-            return self.fail(
-                f"communicationStepSize = {step_size!r} s vanishes beside the present time "
-                f"{now!r} s: give a larger step"
-            )
+        if not begins(current_time, step_size, now):
+            return self.fail(refusal(current_time, step_size, now))
         if self.pending:
             message = self.bad_value()
             if message:
                 return self.fail(message)
             self.take_inputs()
             self.pending = False
-        sloped = self.sloped
+        sloped = self.slopes.given
         if sloped:
-            message = self.begin_slopes(step_size)
-            if message:
-                return self.fail(message)
+            vr = self.slopes.begin(self.reals, step_size)
+            if vr != NO_SLOPE:
+                return self.fail(
+                    f"{self.value(vr)} cannot be used with its derivative "
+                    f"{self.slopes.each[vr - self.first_input]!r} per s over a communication "
+                    f"step of {step_size!r} s: set finite numbers with which the input stays at "
+                    f"most {LARGEST!r} in size"
+                )
         self.kept = False
         try:
             message = self.advance(step_size)
             if message:
                 return self.fail(message)
-            self.time = end
+            self.time = current_time + step_size
             self.fresh = 0
             if sloped:
-                self.end_slopes(step_size)
+                self.slopes.end(self.reals, step_size)
             self.look(False)
         except BaseException:  # an interrupt: there has been no step
             if sloped:
-                self.restore_slopes()
+                self.slopes.restore(self.reals)
             if self.kept:
                 self.undo()
             self.time = now
@@ -557,7 +455,7 @@ class Engine:
         ]
         state = [head, [self.reals[vr] for vr in range(table.first_output)]]
         state.append([float(i) for i in self.integers[: table.first_input]])
-        state.append([self.slopes[i] for i in range(self.input_count)])
+        state.append(self.slopes.get_state())
         if self.mode != INSTANTIATED:
             state.extend(self.system_state())
         return state
@@ -583,10 +481,7 @@ class Engine:
         for vr in range(table.first_output):
             self.reals[vr] = state[1][vr]
         self.integers[: table.first_input] = integers
-        self.sloped = False
-        for i in range(self.input_count):
-            self.slopes[i] = state[3][i]
-            self.sloped = self.sloped or self.slopes[i] != 0.0
+        self.slopes.set_state(state[3])
         # Parameters set during initialization may have made a start impossible: then there is no
         # system to restore either, and the end of initialization will say so.
         if mode != INSTANTIATED and (same or not self.start(restoring=True)):

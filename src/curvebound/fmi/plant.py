@@ -96,7 +96,7 @@ class PlantEngine(DerivativeEngine):
         if not self.ready():
             return [0.0] * len(self.model.OUTPUTS)
         try:
-            return output_rates(self.model, self.ramp, self.slopes)
+            return output_rates(self.model, self.ramp, self.slopes.each)
         except (ZeroDivisionError, OverflowError, ValueError):
             self.take_inputs()
             self.model.undo()
@@ -144,16 +144,16 @@ class PlantEngine(DerivativeEngine):
         self.kept = True
         moving = model
         try:
-            if self.sloped:
+            if self.slopes.given:
                 moving = self.ramp
-                self.ramp.begin(model, self.slopes, duration)
+                self.ramp.begin(model, self.slopes.each, duration)
                 if method.ORDER == 0 and self.ramp.varies():
                     message = self.varying(self.ramp)
                     self.undo()
                     return message
             failure = method.advance(moving, duration, int(count), self.relative, self.max_steps)
             if failure == DONE:
-                if self.sloped:
+                if self.slopes.given:
                     self.ramp.end()
                 else:
                     model.advance_frame(duration)
@@ -176,7 +176,7 @@ class PlantEngine(DerivativeEngine):
         )
 
     def undo(self) -> None:
-        if self.sloped:
+        if self.slopes.given:
             self.take_inputs()
         self.model.undo()
         self.method.steps = self.kept_steps

@@ -41,7 +41,10 @@ _INTERPRETED = (
     "fmi/wrapped.py",
 )
 _OTHERS = ("common", "declaration", "slave", "wrapped")
-_FACES = ("controller", "cutting", "derivatives", "direct", "engine", "plant", "table", "watch")
+_FACES = (
+    *("controller", "cutting", "derivatives", "direct", "engine", "input_slopes", "plant", "table"),
+    "watch",
+)
 #: decides, with the sources, what is compiled from them
 _TRANSLATOR = (
     *("c_functions", "extension", "modules", "repeated", "rewrite", "translate", "writer"),

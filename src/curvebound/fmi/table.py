@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Final
 
 from ..kernel.base import MOST_VARIABLES
@@ -132,6 +133,57 @@ class Table:
         if self.kinds[vr] == CHOICE:
             return "Enumeration"
         return "Integer" if self.kinds[vr] == COUNT_PARAMETER else "Real"
+
+    # -- in words ----------------------------------------------------------------------------------
+    def shown(self, vr: int, real: float, integer: int) -> str:
+        """A variable with its value, which is one of these, and unit."""
+        if not self.is_real(vr):
+            return self.names[vr] + " = " + str(integer)
+        unit = self.units[vr]
+        return self.names[vr] + " = " + repr(real) + ("" if unit == "1" else " " + unit)
+
+    def outside_domain(self, vr: int, real: float, integer: int) -> str:
+        """The message for a parameter whose value, one of these, is outside its domain, or ''."""
+        kind: int = self.kinds[vr]
+        if kind == CHOICE:
+            items = self.items[vr]
+            if integer < 1 or integer > len(items):
+                listed = ", ".join([f"{i + 1} {item}" for i, item in enumerate(items)])
+                shown = self.shown(vr, real, integer)
+                return f"{shown} is no item of its enumeration: choose one of {listed}"
+            return ""
+        least: float = self.minima[vr]
+        if kind == COUNT_PARAMETER:
+            if integer < least:
+                shown = self.shown(vr, real, integer)
+                return f"{shown} is too small: set it to at least {int(least)}"
+            return ""
+        name = self.names[vr]
+        if not math.isfinite(real):
+            return f"{self.shown(vr, real, integer)} is not finite: set {name} to a finite number"
+        if real < least or (self.above[vr] and real <= least):
+            wanted = "above" if self.above[vr] else "not below"
+            bound = "zero" if least == 0.0 else repr(least)
+            return (
+                f"{self.shown(vr, real, integer)} is outside its domain: set {name} to a value "
+                f"{wanted} {bound}"
+            )
+        return ""
+
+    def wrong_type(self, vr: int, type_: str) -> str:
+        """The message for a value reference that does not belong to a variable of the type."""
+        number = vr if vr >= 0 else vr + 4294967296  # PythonFMU's wrapper passes signed integers
+        if number < self.size:
+            own = self.type_of(vr)
+            function = "Integer" if own == "Enumeration" else own
+            return (
+                f"value reference {number} is {self.names[vr]} of type {own}, not {type_}: "
+                f"use fmi2Get{function} and fmi2Set{function}"
+            )
+        return (
+            f"value reference {number} is not a variable of type {type_}: "
+            "use the value references of modelDescription.xml"
+        )
 
     def layout(self, outputs: dict[str, int]) -> Layout:
         """The layout of a system with these outputs, which must be the declared ones."""
