@@ -35,7 +35,10 @@ def test_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_build_run_and_demo(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    request: pytest.FixtureRequest,
 ) -> None:
     (built,) = given(capsys, "build", "ParabolaDrive", "--no-compile", "--out", str(tmp_path))
     assert Path(built["path"]).is_file()
@@ -45,6 +48,7 @@ def test_build_run_and_demo(
     assert run["outputs"]["bead.bead.x"]["unit"] == "m"
     assert run["outputs"]["bead.bead.x"]["largest"] == 1.0
     assert run["file"] == str(out)
+    request.getfixturevalue("short_reference")
     monkeypatch.setattr("curvebound.cosim.scene_names", lambda: ["pendulum_small"])
     demo = given(capsys, "demo", "--no-compile", "--out", str(tmp_path))
     assert demo["failures"] == []

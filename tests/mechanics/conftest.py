@@ -22,12 +22,14 @@ FOLDERS = {
         *(HERE / "systems").glob("*/mechanics.py"),
     ]
 }
+#: those that take long to derive
+LONG = ("bead_on_ellipse_by_angle", "pendulum_on_sine")
 DIGITS = 80
 
 
 @pytest.fixture(
     params=[
-        pytest.param(name, marks=pytest.mark.slow) if name == "pendulum_on_sine" else name
+        pytest.param(name, marks=pytest.mark.slow) if name in LONG else name
         for name in sorted(FOLDERS)
     ]
 )

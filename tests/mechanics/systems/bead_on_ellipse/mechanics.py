@@ -1,13 +1,12 @@
-"""A bead on an ellipse, its angle measured from the centre, and in Cartesian coordinates."""
+"""A bead on an ellipse, by its eccentric anomaly, and in Cartesian coordinates."""
 
-from sympy import atan2, cos, sin, sqrt
+from sympy import atan2, cos, sin
 
 from curvebound.mechanics import Constraint, Mechanics, angle, drag, mass, parameter
 
 a, b = parameter("wire.width"), parameter("wire.height")
 th = angle("bead.angle")
-r = a * b / sqrt((b * sin(th)) ** 2 + (a * cos(th)) ** 2)
-bead = mass("bead", r * sin(th), -r * cos(th))
+bead = mass("bead", a * sin(th), -b * cos(th))
 
 MECHANICS = Mechanics(
     coordinates=[th],
@@ -15,6 +14,7 @@ MECHANICS = Mechanics(
     frame="wire",
     damping=[drag("bead.damping", bead)],
     constraint=Constraint(
-        lambda x, y: (x**2 / a**2 + y**2 / b**2 - 1) / 2, coordinate=lambda x, y: atan2(x, -y)
+        lambda x, y: (x**2 / a**2 + y**2 / b**2 - 1) / 2,
+        coordinate=lambda x, y: atan2(b * x, -a * y),
     ),
 )
