@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import random
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 from browsing import Tab
 from motions import Table, bead, pendulum, table, without
+from PIL import Image
 
 from curvebound.view import write_replay
 
@@ -365,6 +367,24 @@ def test_dark_mode_differs(tab: Tab, pages: dict[str, Path]) -> None:
     tab.key("d")  # light by choice, whatever the system says
     tab.run(NEXT)
     assert tab.run(f"[{corner}, {body}]") == light
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_by_choice_it_is_what_it_is_by_the_system(
+    tab: Tab, pages: dict[str, Path], dark: bool
+) -> None:
+    """Drawing, plots and controls, to what a canvas rounds at its edge."""
+
+    def seen(system: bool, theme: str) -> np.ndarray:
+        tab.dark(system)
+        tab.open(pages["compared"], f"play=0&theme={theme}")
+        tab.run("document.getElementById('theme').style.visibility = 'hidden'")
+        tab.run(NEXT)
+        return np.asarray(Image.open(io.BytesIO(tab.picture())).convert("RGB"), int)
+
+    by_system = seen(dark, "auto")
+    assert np.abs(seen(not dark, "auto") - by_system).max() > 100
+    assert np.abs(seen(not dark, "dark" if dark else "light") - by_system).max() < 10
 
 
 def test_words_for_those_who_cannot_see(tab: Tab, pages: dict[str, Path]) -> None:
