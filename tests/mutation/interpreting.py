@@ -33,7 +33,13 @@ def _remembered(fmu: Fmu) -> ReferenceResult:
     return _known.get(_key(fmu)) or reference_result(fmu)
 
 
-def pytest_configure() -> None:
+def interpret() -> None:
+    """From now on what this process builds runs interpreted."""
     kernel.why_not = lambda *_: "a mutant runs interpreted"
     _known.update(pickle.loads(Path(os.environ["CAMPAIGN_REFERENCES"]).read_bytes()))
     documentation.reference_result = _remembered
+
+
+def pytest_collection_finish() -> None:
+    """Where tests of the translation itself know already that they can compile."""
+    interpret()

@@ -9,7 +9,14 @@ from motions import bead, pendulum, renamed, table, without
 from curvebound.fmi.folder import shipped_drawings
 from curvebound.view import actors
 from curvebound.view.actors import Actor, drawings_of, split_name
-from curvebound.view.geometry import box_of, common_samples, distances, follows_frame
+from curvebound.view.geometry import (
+    _LEFT_BEHIND,
+    _held,
+    box_of,
+    common_samples,
+    distances,
+    follows_frame,
+)
 
 KNOWN = shipped_drawings()
 
@@ -169,3 +176,14 @@ def test_what_is_missing_is_that_of_the_nearer_way() -> None:
     )
     foreign = table({"time": [0.0, 1.0], "engine.speed": [0.0, 1.0]})
     assert actors.missing(foreign, beads) == "BeadOnWire needs bead.x and bead.y or bead.angle"
+
+
+def test_a_view_follows_the_first_actor_where_others_leave_it_far_behind() -> None:
+    """By its own size to each side, once all of it is many times as large either way."""
+    first = (-1.0, 2.0, 1.0, 3.0)
+    most = 2.0 * _LEFT_BEHIND
+    for kept in ((-1.0, 2.0, most - 1.0, 3.0), (-1.0, 2.0, 1.0, 2.0 + most)):
+        assert _held(kept, first) == kept
+    assert _held((-1.0, 2.0, most - 0.9, 3.0), first) == (-1.0, 2.0, 3.0, 3.0)
+    assert _held((-1.0, 2.0, 1.0, 2.1 + most), first) == (-1.0, 2.0, 1.0, 5.0)
+    assert _held((-most, -most, most, most), first) == (-3.0, 0.0, 3.0, 5.0)

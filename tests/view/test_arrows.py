@@ -18,7 +18,7 @@ from curvebound.fmi.folder import find, shipped_drawings
 from curvebound.view import write_picture, write_replay
 from curvebound.view.actors import find_actors
 from curvebound.view.arrows import kinds_of, vectors_of, wanted
-from curvebound.view.quivers import Quivers, strip_for
+from curvebound.view.quivers import Quivers, _round, strip_for
 from curvebound.view.reading import opened, with_inputs
 from curvebound.view.stage import Cast, Stage, colour_of, figure
 
@@ -285,3 +285,12 @@ def test_the_legend_of_a_picture_stands_below_its_axes(film: bool) -> None:
     ticks = [] if film else [one.get_window_extent().y0 for one in axes.get_xticklabels()]
     assert max(box.y1 for box in boxes) < min([axes.get_window_extent().y0, *ticks])
     assert min(box.y0 for box in boxes) >= 0
+
+
+@pytest.mark.parametrize(
+    ("least", "rounded"),
+    [(1.0, 1.0), (1.01, 2.0), (2.0, 2.0), (2.1, 5.0), (5.0, 5.0), (5.1, 10.0), (9.9, 10.0),
+     (0.03, 0.05), (4.9e-7, 5e-7), (1.2e6, 2e6), (1.0 + 1e-7, 1.0), (1.0 + 1e-5, 2.0)],
+)  # fmt: skip
+def test_keys_are_one_two_or_five_times_a_power_of_ten(least: float, rounded: float) -> None:
+    assert _round(least) == pytest.approx(rounded, rel=1e-12)

@@ -14,6 +14,7 @@ from stepping import Page, opened
 from curvebound.cosim import load_scene, read_csv, scene_names
 from curvebound.cosim.instance import Instance
 from curvebound.cosim.prepared import Prepared
+from curvebound.cosim.scene_parts import Adaptive
 from curvebound.view.live.model import describe
 from curvebound.view.live.plan import Plan
 from curvebound.view.live.recording import recording
@@ -454,3 +455,14 @@ def test_an_hour_of_changes_keeps_little(plan_of: PlanOf) -> None:
         assert page.state["undo"] == 20
         kept = page.session.first._instances["bead"]._saved
         assert len(kept) <= 20
+
+
+def test_macro_steps_that_a_scene_chooses_itself_are_told(plan_of: PlanOf) -> None:
+    scene = load_scene("bead_on_wire")
+    scene.adaptive = Adaptive(1e-6)
+    plan = Plan(scene)
+    told = f"The scene chooses its macro steps; here they are all of its step, {scene.step:g} s."
+    assert plan.notes == [told]
+    assert plan.scene.adaptive is None
+    assert scene.adaptive is not None
+    assert plan_of("bead_on_wire").notes == []
