@@ -67,8 +67,7 @@ def adaptive_steps(
     most = max(2, int(largest / quantum))
     size = min(max(2, round(first / quantum)), most)
     at = 0
-    error_before = 1.0
-    rejected = False
+    controller = _Controller(order)
     while at < quanta:
         limit = min((stop for stop in stops if stop > at + 1), default=quanta) - at
         size = min(size, limit)
@@ -102,24 +101,43 @@ def adaptive_steps(
                 counters.forced += 1
                 counters.excess = max(counters.excess, error)
             at = right
-            # PI: 0.7 and 0.4 of the exponent that the order gives to an error per unit of time
-            error = max(error, 1e-8)
-            factor = _SAFETY * error ** (-0.7 / order) * error_before ** (0.4 / order)
-            factor = min(factor, 1.0 if rejected else _GROW)
-            error_before = error
-            rejected = False
+            factor = controller.taken(error)
             yield reached
         else:
             schedule.restore(saved)
             counters.rejected += 1
-            factor = _SAFETY * error ** (-1.0 / order) if math.isfinite(error) else _SHRINK
-            factor = min(factor, 0.9)
-            rejected = True
+            factor = controller.rejected(error)
             if at_bound:
                 raise FloatingPointError(
                     f"a controlled output is not finite at t = {reached:.6g} s"
                 )
         size = min(most, max(2, int(size * max(_SHRINK, factor))))
+
+
+class _Controller:
+    """By what the next step is larger, from the errors of those before, over what is allowed.
+
+    order: of the error per unit of time.
+    """
+
+    def __init__(self, order: int) -> None:
+        self._order = order
+        self._before = 1.0
+        self._rejected = False
+
+    def taken(self, error: float) -> float:
+        """After a step that is kept: proportional and integral, 0.7 and 0.4 of 1 / order."""
+        error = max(error, 1e-8)
+        factor = _SAFETY * error ** (-0.7 / self._order) * self._before ** (0.4 / self._order)
+        factor = min(factor, 1.0 if self._rejected else _GROW)
+        self._before, self._rejected = error, False
+        return factor
+
+    def rejected(self, error: float) -> float:
+        """After one that is not."""
+        self._rejected = True
+        factor = _SAFETY * error ** (-1.0 / self._order) if math.isfinite(error) else _SHRINK
+        return min(factor, 0.9)
 
 
 def _stops(system: System, begin: float, end: float, quantum: float) -> dict[int, float]:
