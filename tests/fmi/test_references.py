@@ -10,9 +10,12 @@ import fmpy
 import numpy as np
 import pytest
 
+from curvebound.errors import CurveboundError
 from curvebound.fmi.cross_check import _bounds, write_cross_check
+from curvebound.fmi.declaration import Fmu
+from curvebound.fmi.documentation import _experiment
 from curvebound.fmi.folder import find
-from curvebound.fmi.reference import ReferenceResult
+from curvebound.fmi.reference import ReferenceResult, reference_result
 
 NAMES = ("BeadOnWire", "ParabolaDrive", "ParabolaPendulum")
 
@@ -85,5 +88,30 @@ def test_a_bound_is_ten_times_the_error_of_the_usual_settings() -> None:
     times = [0.0, 1.0]
     exact = {"time": times, "a": [1.0, -2.0], "b": [30.0, -400.0], "c": [1e-3, 0.0]}
     usual = {"time": [0.0, 9.0], "a": [1.5, -1.25], "b": [30.0, -400.0], "c": [1e-3, 0.0]}
-    found = _bounds(ReferenceResult({}, exact), ReferenceResult({}, usual))
+    found = _bounds(ReferenceResult({}, exact, []), ReferenceResult({}, usual, []))
     assert found == {"a": 7.5, "b": pytest.approx(4e-10), "c": 1e-12}
+
+
+def bead(**starts: float) -> Fmu:
+    """For two seconds, from other start values, without inputs."""
+    fmu = find("BeadOnWire").fmu()
+    named = {f"bead.{name}": start for name, start in starts.items()}
+    variables = tuple(v._replace(start=named.get(v.name, v.start)) for v in fmu.variables)
+    return fmu._replace(variables=variables, reference_inputs={}, stop_time=2.0, step_size=0.1)
+
+
+def test_a_start_that_magnifies_roundings_has_a_reference_and_the_page_says_so() -> None:
+    upright, hanging = bead(angle_start=3.14159265), bead(angle_start=0.1)
+    result = reference_result(upright)
+    assert len(result.time) == 21
+    stated = _experiment(upright, result)
+    assert ". It is less exact than that: the motion up to time " in stated
+    assert re.search(r"magnifies [a-z ]+ to [0-9.e-]+ of it[^;:]*\.$", stated)
+    tame = reference_result(hanging)
+    assert tame.doubts == []
+    assert _experiment(hanging, tame).endswith("tolerance of 1e-13.")
+
+
+def test_start_values_that_do_not_run_are_a_mistake_in_the_declaration() -> None:
+    with pytest.raises(CurveboundError, match=r"fails at t = 0 s: bead\.mass = -1\.0 kg"):
+        reference_result(bead(mass=-1.0))

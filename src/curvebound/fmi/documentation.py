@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from html import escape
 from importlib.metadata import distribution
@@ -82,7 +83,7 @@ def _page(folder: Folder, fmu: Fmu, drawing: Drawing, result: ReferenceResult | 
     reference = ""
     if result is not None:
         reference = f"""<h2>Reference result</h2>
-<p>{_experiment(fmu)} The samples are in <a href="reference.csv">reference.csv</a>.</p>
+<p>{_experiment(fmu, result)} The samples are in <a href="reference.csv">reference.csv</a>.</p>
 {reference_plots(fmu, result)}"""
     body = f"""<header><h1>{name}</h1>
 <p>{escape(fmu.description)}. FMI 2.0 for co-simulation, curvebound {__version__}, MIT licence
@@ -121,7 +122,7 @@ def _sketch(folder: Folder, drawing: Drawing, result: ReferenceResult | None) ->
     return f"<figure>{svg}<figcaption>{words}</figcaption></figure>"
 
 
-def _experiment(fmu: Fmu) -> str:
+def _experiment(fmu: Fmu, result: ReferenceResult) -> str:
     text = f"{plain(fmu.stop_time)} s in communication steps of {plain(fmu.step_size)} s"
     if fmu.reference_inputs:
         given = ", ".join(
@@ -133,7 +134,12 @@ def _experiment(fmu: Fmu) -> str:
         "the inputs of that point set and held over the step; those of the first are set in "
         "initialization mode too"
     )
-    return text + ", integrated to a relative tolerance of 1e-13."
+    text += ", integrated to a relative tolerance of 1e-13."
+    if result.doubts:
+        # without its advice, which is about tolerances that the reader cannot set here
+        reason = re.split("[;:] ", result.doubts[0])[0]
+        text += f" It is less exact than that: {escape(reason)}."
+    return text
 
 
 def _signal(value: float | str | tuple[float, float]) -> str:

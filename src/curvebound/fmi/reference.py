@@ -12,8 +12,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ..errors import CurveboundError
 from .declaration import CHOICE, OUTPUT, Fmu
 from .slave import table_of
+from .table import ERROR
 
 __all__ = ["ReferenceResult", "reference_inputs", "reference_result"]
 
@@ -21,10 +23,14 @@ TOLERANCE = 1e-13
 
 
 class ReferenceResult(NamedTuple):
-    """Columns by name (`time` in s first, then SI units), all of one length."""
+    """Columns by name (`time` in s first, then SI units), all of one length.
+
+    doubts: warnings of the engine, of a motion that the tolerance is too close for.
+    """
 
     inputs: dict[str, list[float]]
     outputs: dict[str, list[float]]
+    doubts: list[str]
 
     @property
     def time(self) -> list[float]:
@@ -52,7 +58,7 @@ def _value(fmu: Fmu, name: str, given: float | str | tuple[float, float], time: 
 def reference_result(fmu: Fmu, *, exact: bool = True) -> ReferenceResult:
     """The default experiment: as exactly as possible, or with the default solver settings.
 
-    Raises RuntimeError where the experiment fails, which is a mistake in the declaration.
+    Raises CurveboundError where the experiment fails, which is a mistake in the declaration.
     """
     assert fmu.system is not None
     engine = fmu.system.create(table_of(fmu), "")
@@ -63,8 +69,20 @@ def reference_result(fmu: Fmu, *, exact: bool = True) -> ReferenceResult:
         engine.set_integer([by_name[method.name]], [method.type.number("adaptive")])
     names = [v.name for _, v in fmu.described() if v.kind == OUTPUT]
     references = [by_name[name] for name in names]
+    doubts: list[str] = []
     inputs: dict[str, list[float]] = {"time": [], **{n: [] for n in fmu.reference_inputs}}
     outputs: dict[str, list[float]] = {"time": [], **{n: [] for n in names}}
+
+    def hear(time: float) -> None:
+        for message in engine.queue:
+            if message.status == ERROR:
+                raise CurveboundError(
+                    f"The reference experiment of {fmu.name}, from the start values in its fmu.py, "
+                    f"fails at t = {time:.6g} s: {message.msg}. Declare start values, inputs "
+                    "(reference_inputs) or a stop_time with which it runs."
+                )
+            doubts.append(message.msg)
+        engine.queue.clear()
 
     def set_inputs(time: float) -> None:
         for name, x in reference_inputs(fmu, time).items():
@@ -77,11 +95,14 @@ def reference_result(fmu: Fmu, *, exact: bool = True) -> ReferenceResult:
     engine.enter_initialization()
     set_inputs(0.0)
     engine.exit_initialization()
+    hear(0.0)
     count = round(fmu.stop_time / fmu.step_size)
     for i in range(count + 1):
         time = i * fmu.step_size
         outputs["time"].append(time)
-        for name, x in zip(names, engine.get_real(references), strict=True):
+        values = engine.get_real(references)
+        hear(time)
+        for name, x in zip(names, values, strict=True):
             outputs[name].append(x)
         inputs["time"].append(time)
         for name, x in reference_inputs(fmu, time).items():
@@ -89,6 +110,5 @@ def reference_result(fmu: Fmu, *, exact: bool = True) -> ReferenceResult:
         set_inputs(time)
         if i < count:
             engine.do_step(time, (i + 1) * fmu.step_size - time)
-        if engine.queue:
-            raise RuntimeError(f"{fmu.name}: {engine.queue[0].msg}")
-    return ReferenceResult(inputs, outputs)
+        hear(time)
+    return ReferenceResult(inputs, outputs, doubts)
