@@ -37,6 +37,7 @@ class BeadAngle(BeadBase):
         super().refresh()
         self.ux = self.ex / self.r
         self.uy = self.ey / self.r
+        self.uses_rates = self.k != 0.0
 
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         a0 = self.uy * math.sin(q0)

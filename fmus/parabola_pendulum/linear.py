@@ -67,6 +67,7 @@ class ParabolaLinear(ParabolaNonlinear):
         # a frame that moves steadily is none to this model
         self.works = self.forced or self.reshapes or self.ax != 0.0 or self.ay != 0.0
         self.damped = self.c1 != 0.0 or self.c2 != 0.0
+        self.uses_rates = self.damped
         m1 = self.m1
         m2 = self.m2
         r = self.r

@@ -51,6 +51,7 @@ _CASES: dict[str, tuple[str, dict[str, float]]] = {
     ),
     "pendulum, linear": ("ParabolaPendulum", {"model.fidelity": 1}),
     "bead, angle": ("BeadOnWire", {"model.formulation": 2, "bead.damping": 0.1}),
+    "bead, undamped angle": ("BeadOnWire", {"model.formulation": 2}),
     "bead, Cartesian": ("BeadOnWire", {"constraint.stabilization": 1}),
     "bead, projection": ("BeadOnWire", {"constraint.stabilization": 3}),
 }

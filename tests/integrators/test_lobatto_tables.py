@@ -107,6 +107,6 @@ def test_tail_exceeds_the_error_of_the_quadrature() -> None:
 def test_end_of_the_step() -> None:
     k = np.polyval([1.0, 2.0, 3.0], NODES)
     x, w = [0.5] + 7 * [0.0], [-1.0] + 7 * [0.0]
-    lobatto.follow(0.2, k.tolist(), x, w, 7, 8)
+    lobatto.follow(True, 0.2, k.tolist(), x, w, 7, 8)
     assert w[7] == pytest.approx(-1 + 0.2 * (1 / 3 + 2 / 2 + 3), abs=1e-15)
     assert x[7] == pytest.approx(0.5 - 0.2 + 0.04 * (1 / 12 + 2 / 6 + 3 / 2), abs=1e-15)

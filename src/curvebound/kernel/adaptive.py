@@ -171,120 +171,132 @@ class Adaptive(Method):
         elapsed = self.elapsed
         elapsed.reset()
         stiff = self.stiff
-        rejected = False
+        rejected = trying = False
         tries = rejections = since = 0
         trial = FIRST_TRIAL
         calm = FIRST_CALM
         if stiff.pays(self.wished, duration):
             trial = 0
-        while tries + stiff.tries < max_steps:
-            if tries >= trial or (tries >= calm and collocation.noisy and rounding.hides(a0, a1)):
-                if (
-                    trial == 0
-                    or REJECTS * rejections >= tries - since
-                    or is_stiff(model, rounding, elapsed.t, self.wished, a0, a1)
-                ):
-                    outcome = stiff.go_on(
-                        model,
-                        rounding,
-                        elapsed,
-                        duration,
-                        self.wished,
-                        share,
-                        max_steps - tries,
-                    )
-                    # what comes next has nothing to extrapolate from
-                    collocation.h = 0.0
-                    growth.leave()
-                    if outcome != DONE:
-                        self.reached = stiff.reached
-                        return outcome
-                    t = elapsed.t
-                    if t >= duration:
-                        return DONE
-                    model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
-                    a0 = model.a0
-                    a1 = model.a1
-                    self.evaluations += 1
-                since = tries
-                trial = tries + max(FIRST_TRIAL, tries // 2)
-                calm = tries + max(FIRST_CALM, tries // 2)
-                rejections = 0
-            tries += 1
-            if tries & LOOK == 0:
-                collocation.noisy = True
-            t = elapsed.t
-            wished = self.wished
-            remaining = elapsed.left(duration)
-            h = wished
-            ends = h >= remaining
-            if ends:
-                h = remaining
-            elif 2.0 * h > remaining:
-                h = 0.5 * remaining
-            # an error of time made here counts by what is fastest
-            allowed = share / max(1.0, pace * h)
-            allowed = max(allowed / growth.closer, min(allowed, CLOSEST), LEAST_SHARE)
-            if rounding.doubt > tolerance:
-                allowed = max(allowed, SPOILT)
-            q0 = model.q0
-            q1 = model.q1
+        while True:
+            # entered once for all steps up to one that is rejected, not for each: that costs
             try:
-                error = collocation.step(model, rounding, t, h, a0, a1, allowed) / allowed
-            except (ArithmeticError, ValueError):
-                # a stage left the model's domain or the finite numbers: far too large a step
-                error = math.inf
-            if error <= 1.0:
-                self.steps += 1
-                if 2.0 * h >= wished:
-                    # a step that the end of the communication step cut short says nothing
-                    log_error = math.log(max(error, LEAST_ERROR))
-                    wish = h * SAFETY * math.exp(LAST * self.log_error - PRESENT * log_error)
-                    most = h if rejected else MOST_GROWTH * wished
-                    self.wished = min(max(wish, MOST_SHRINKING * h), most)
-                    self.log_error = log_error
-                rejected = False
-                moved0 = model.q0 - q0
-                moved1 = model.q1 - q1
-                if settles:
-                    model.settle(h)
-                rounding.follow(model, collocation.a7, collocation.b7)
-                if collocation.noisy:
-                    # beside the rates that it leads to: from rest there were none
-                    rounding.note_noise(model, t, h)
-                rounding.note_time(t + h, collocation.a7, collocation.b7)
-                gained0 = collocation.a7 - a0
-                gained1 = collocation.b7 - a1
-                growth.follow(model, rounding, t + h, h, moved0, moved1, gained0, gained1, allowed)
-                pace = rounding.pace() / CALM
-                if ends:
-                    return DONE
-                elapsed.add(h)
-                if settles:
+                while tries + stiff.tries < max_steps:
+                    if tries >= trial or (
+                        tries >= calm and collocation.noisy and rounding.hides(a0, a1)
+                    ):
+                        if (
+                            trial == 0
+                            or REJECTS * rejections >= tries - since
+                            or is_stiff(model, rounding, elapsed.t, self.wished, a0, a1)
+                        ):
+                            outcome = stiff.go_on(
+                                model,
+                                rounding,
+                                elapsed,
+                                duration,
+                                self.wished,
+                                share,
+                                max_steps - tries,
+                            )
+                            # what comes next has nothing to extrapolate from
+                            collocation.h = 0.0
+                            growth.leave()
+                            if outcome != DONE:
+                                self.reached = stiff.reached
+                                return outcome
+                            t = elapsed.t
+                            if t >= duration:
+                                return DONE
+                            model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+                            a0 = model.a0
+                            a1 = model.a1
+                            self.evaluations += 1
+                        since = tries
+                        trial = tries + max(FIRST_TRIAL, tries // 2)
+                        calm = tries + max(FIRST_CALM, tries // 2)
+                        rejections = 0
+                    tries += 1
+                    if tries & LOOK == 0:
+                        collocation.noisy = True
                     t = elapsed.t
-                    model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
-                    a0 = model.a0
-                    a1 = model.a1
-                    self.evaluations += 1
+                    wished = self.wished
+                    remaining = elapsed.left(duration)
+                    h = wished
+                    ends = h >= remaining
+                    if ends:
+                        h = remaining
+                    elif 2.0 * h > remaining:
+                        h = 0.5 * remaining
+                    # an error of time made here counts by what is fastest
+                    allowed = share / max(1.0, pace * h)
+                    allowed = max(allowed / growth.closer, min(allowed, CLOSEST), LEAST_SHARE)
+                    if rounding.doubt > tolerance:
+                        allowed = max(allowed, SPOILT)
+                    q0 = model.q0
+                    q1 = model.q1
+                    trying = True
+                    error = collocation.step(model, rounding, t, h, a0, a1, allowed) / allowed
+                    trying = False
+                    if not error <= 1.0:
+                        break
+                    self.steps += 1
+                    if 2.0 * h >= wished:
+                        # a step that the end of the communication step cut short says nothing
+                        log_error = math.log(max(error, LEAST_ERROR))
+                        wish = h * SAFETY * math.exp(LAST * self.log_error - PRESENT * log_error)
+                        most = h if rejected else MOST_GROWTH * wished
+                        self.wished = min(max(wish, MOST_SHRINKING * h), most)
+                        self.log_error = log_error
+                    rejected = False
+                    moved0 = model.q0 - q0
+                    moved1 = model.q1 - q1
+                    if settles:
+                        model.settle(h)
+                    rounding.follow(model, collocation.a7, collocation.b7)
+                    if collocation.noisy:
+                        # beside the rates that it leads to: from rest there were none
+                        rounding.note_noise(model, t, h)
+                    rounding.note_time(t + h, collocation.a7, collocation.b7)
+                    gained0 = collocation.a7 - a0
+                    gained1 = collocation.b7 - a1
+                    growth.follow(
+                        model, rounding, t + h, h, moved0, moved1, gained0, gained1, allowed
+                    )
+                    pace = rounding.pace() / CALM
+                    if ends:
+                        return DONE
+                    elapsed.add(h)
+                    if settles:
+                        t = elapsed.t
+                        model.acceleration(t, model.q0, model.q1, model.v0, model.v1)
+                        a0 = model.a0
+                        a1 = model.a1
+                        self.evaluations += 1
+                    else:
+                        a0 = collocation.a7
+                        a1 = collocation.b7
                 else:
-                    a0 = collocation.a7
-                    a1 = collocation.b7
-            else:
-                collocation.noisy = rejected
-                rejected = True
-                rejections += 1
-                if error <= LARGEST:
-                    shrinking = max(SAFETY * math.exp(-PRESENT * math.log(error)), MOST_SHRINKING)
-                else:
-                    shrinking = 0.5
-                self.wished = h * shrinking
-                if self.wished < least and (
-                    self.wished < duration * RESOLUTION or stands(model, self.wished, a0, a1)
-                ):
                     self.reached = self.wished
-                    return STEP_TOO_SMALL
-        self.reached = self.wished
-        return TOO_MANY_STEPS
+                    return TOO_MANY_STEPS
+            except (ArithmeticError, ValueError):
+                if not trying:
+                    raise
+                # a stage left the model's domain or the finite numbers: far too large a step
+                trying = False
+                error = math.inf
+            collocation.noisy = rejected
+            rejected = True
+            rejections += 1
+            if error <= LARGEST:
+                shrinking = max(SAFETY * math.exp(-PRESENT * math.log(error)), MOST_SHRINKING)
+            else:
+                shrinking = 0.5
+            self.wished = h * shrinking
+            if self.wished < least and (
+                self.wished < duration * RESOLUTION or stands(model, self.wished, a0, a1)
+            ):
+                self.reached = self.wished
+                return STEP_TOO_SMALL
 
 
 def stands(model: Model, h: float, a0: float, a1: float) -> bool:

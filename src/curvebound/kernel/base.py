@@ -91,6 +91,8 @@ class Model:
         self.magnification: float = 1.0
         #: whether power() can differ from zero with the present parameters, inputs and frame motion
         self.works: bool = False
+        #: whether acceleration() reads v0 and v1, with the present parameters and inputs
+        self.uses_rates: bool = True
         #: whether settle() has anything to do after an internal step
         self.settles: bool = False
         #: whether the equations are linear, as `exact` needs

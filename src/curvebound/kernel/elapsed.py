@@ -5,6 +5,10 @@ from __future__ import annotations
 __all__ = ["Elapsed"]
 
 
+from typing import final
+
+
+@final
 class Elapsed:
     """A sum of step sizes in two parts: what rounding takes from the first is kept (Kahan 1965)."""
 

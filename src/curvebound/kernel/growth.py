@@ -9,7 +9,7 @@ the motion is larger afterwards, and though a change of its start may count for 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, final
 
 from .base import Model
 from .rounding import Rounding
@@ -30,6 +30,7 @@ MOST: Final = 100.0
 TINY: Final = 1e-300
 
 
+@final
 class Stretch:
     """The present unstable stretch of one coordinate, and its errors before."""
 
@@ -124,6 +125,7 @@ class Stretch:
         self.shown = self.span = 0.0
 
 
+@final
 class Growth:
     """The unstable stretches of both coordinates, and what they make of errors of steps.
 

@@ -112,7 +112,9 @@ class Collocation:
         u: Stages = [0.0] * STAGES
         w: Stages = [0.0] * STAGES
         # a coordinate that rests is left out until a sweep finds an acceleration of it
-        two = q1 != 0.0 or v1 != 0.0 or b0 != 0.0
+        two: bool = q1 != 0.0 or v1 != 0.0 or b0 != 0.0
+        # nor are rates at the stages needed that no acceleration depends on
+        rates = model.uses_rates
         fill(b, b0)
         if 0.0 < h <= FARTHEST * self.h:
             r = 2.0 * h / self.h
@@ -125,15 +127,16 @@ class Collocation:
         b[0], y[0], w[0] = b0, q1, v1
         fill(y, q1)
         fill(w, v1)
-        place(two, h, a, x, u, b, y, w, LAST, STAGES)
+        place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
         course = self.course
         course.begin(model, rounding, t, self.noisy, self.contraction)
         error = 0.0
         for sweep in range(MOST_SWEEPS):
             u7, w7 = u[7], w[7]
-            place(two, h, a, x, u, b, y, w, 1, LATE)
+            place(two, rates, h, a, x, u, b, y, w, 1, LATE)
             evaluate(model, t, h, x, y, u, w, a, b, 1, LATE)
-            place(two, h, a, x, u, b, y, w, LATE, STAGES)
+            place(two, rates, h, a, x, u, b, y, w, LATE, LAST)
+            place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
             a5, a6, b5, b6 = a[5], a[6], b[5], b[6]
             evaluate(model, t, h, x, y, u, w, a, b, LATE, STAGES)
             self.sweeps += 1
@@ -157,11 +160,11 @@ class Collocation:
             if outcome == GOES_ON and sweep != 1:
                 continue
             # known well enough after two sweeps to spare the further ones of too large a step
-            error = estimated(course, h, a, b)
+            error = estimated(course, two, h, a, b)
             if not error <= tolerance and not course.known:
                 # less what is rounding, which shorter steps have too
                 course.look(model, rounding, t)
-                error = estimated(course, h, a, b)
+                error = estimated(course, two, h, a, b)
             if not error <= tolerance:
                 return error
             if outcome == CONVERGED:
@@ -171,11 +174,11 @@ class Collocation:
         work = 0.0
         if model.works:
             p: Stages = [0.0] * STAGES
-            place(two, h, a, x, u, b, y, w, 1, STAGES)
+            place(two, True, h, a, x, u, b, y, w, 1, STAGES)
             find_powers(model, t, h, x, y, u, w, a, b, p)
             work = quadrature(p)
         else:
-            place(two, h, a, x, u, b, y, w, LAST, STAGES)
+            place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
         if not math.fabs(x[7]) + math.fabs(y[7]) + math.fabs(u[7]) + math.fabs(w[7]) <= LARGEST:
             return math.inf
         model.q0, model.q1, model.v0, model.v1 = x[7], y[7], u[7], w[7]
@@ -205,21 +208,23 @@ def copy(source: Stages, target: Stages) -> None:
 
 # fmt: off
 def place(
-    two: bool, h: float, a: Stages, x: Stages, u: Stages, b: Stages, y: Stages, w: Stages,
-    start: int, stop: int,
+    two: bool, rates: bool, h: float, a: Stages, x: Stages, u: Stages, b: Stages, y: Stages,
+    w: Stages, start: int, stop: int,
 ) -> None:
-    """Set the stages start to stop - 1 of one coordinate or two."""
-    follow(h, a, x, u, start, stop)
+    """Set the stages start to stop - 1 of one coordinate or two, with their rates or without."""
+    follow(rates, h, a, x, u, start, stop)
     if two:
-        follow(h, b, y, w, start, stop)
+        follow(rates, h, b, y, w, start, stop)
 # fmt: on
 
 
-def follow(h: float, k: Stages, x: Stages, w: Stages, start: int, stop: int) -> None:
+def follow(rates: bool, h: float, k: Stages, x: Stages, w: Stages, start: int, stop: int) -> None:
     """Set the stages start to stop - 1, x and w, of a coordinate with the accelerations k."""
     for i in range(start, stop):
         x[i] = x[0] + (NODES[i] * h * w[0] + h * h * weighted(R, STAGES * i, k, i % LAST - STAGES))
-        w[i] = w[0] + h * weighted(A, STAGES * i, k, i - STAGES)
+    if rates:
+        for i in range(start, stop):
+            w[i] = w[0] + h * weighted(A, STAGES * i, k, i - STAGES)
 
 
 # fmt: off
@@ -265,9 +270,9 @@ def moves(k: Stages) -> bool:
     )
 
 
-def estimated(course: Course, h: float, a: Stages, b: Stages) -> float:
-    """The error of the step with the accelerations a and b."""
-    return larger(course, h * tail(course.noise0, *a), h * tail(course.noise1, *b))
+def estimated(course: Course, two: bool, h: float, a: Stages, b: Stages) -> float:
+    """The error of the step with the accelerations a and b, zero unless there are two."""
+    return larger(course, h * tail(course.noise0, *a), h * tail(course.noise1, *b) if two else 0.0)
 
 
 def larger(course: Course, change0: float, change1: float) -> float:

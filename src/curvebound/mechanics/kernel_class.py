@@ -5,7 +5,7 @@ from __future__ import annotations
 from sympy import Expr, Symbol
 
 from .kernel_parts import ModelParts
-from .kernel_writer import ACCELERATIONS, INVERSE
+from .kernel_writer import ACCELERATIONS, INVERSE, symbols_in
 from .sums import ZERO
 
 __all__ = ["DerivedClass", "potential_sums"]
@@ -31,7 +31,8 @@ class DerivedClass(ModelParts):
             self._words(),
         ]
         # what is written first declares and computes the constants that the others have found
-        first = [*self._head(), *self._refresh()]
+        rates = self.uses_rates(*self.d.accelerations)
+        first = [*self._head(), *self._refresh(), f"        self.uses_rates = {rates}"]
         return [*first, *(line for method in methods for line in method)]
 
     # -- equations -------------------------------------------------------------------------------
@@ -57,6 +58,17 @@ class DerivedClass(ModelParts):
         known = [*self.state, INVERSE]
         lines += self.body(pairs, known, hoist=self._constant_symbols(), moving=True)
         return lines
+
+    def uses_rates(self, numerators: list[Expr], denominator: Expr) -> str:
+        """An expression: whether acceleration(), by these equations, reads rates."""
+
+        def read(off: dict[Symbol, Expr]) -> bool:
+            solved = [*(n.subs(off) for n in numerators), denominator]
+            return not symbols_in(solved, self.d.shared).isdisjoint(self.d.v)
+
+        if not read({}):
+            return "False"
+        return "True" if read(self.off) else "not self.plain"
 
     def _constant_symbols(self) -> list[Symbol]:
         return [*self.fields, *self.d.field]

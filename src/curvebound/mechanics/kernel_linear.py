@@ -49,6 +49,7 @@ class LinearClass(DerivedClass):
         head += ["", "    def refresh(self) -> None:", "        super().refresh()"]
         moved = any_of(("self.ax", "self.ay"))
         head.append(f"        self.works = not self.plain or {moved}")
+        head.append(f"        self.uses_rates = {self.uses_rates(*self.linear.accelerations)}")
         head += self._constants()
         return [*head, *(line for method in methods for line in method)]
 

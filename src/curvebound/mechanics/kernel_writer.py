@@ -12,7 +12,7 @@ from .derivation import Derivation
 from .names import Names
 from .source import Lines, Printer
 
-__all__ = ["ACCELERATIONS", "FREE", "INVERSE", "PUSH", "Writer", "folded"]
+__all__ = ["ACCELERATIONS", "FREE", "INVERSE", "PUSH", "Writer", "folded", "symbols_in"]
 
 INVERSE = Symbol("inverse", real=True)
 ACCELERATIONS = (Symbol("a0", real=True), Symbol("a1", real=True))
@@ -86,7 +86,7 @@ class Writer:
         constants = set(hoist)
         expressions = [self._hoisted(sympy.sympify(e), constants) for _, e in pairs]
         shared = {s: self._hoisted(e, constants) for s, e in self.d.shared.items()}
-        used = _used(expressions, shared)
+        used = symbols_in(expressions, shared)
         fetched = used - set(known)
         lines: list[str] = []
         if moving:
@@ -150,7 +150,8 @@ class Writer:
         return self.constants[e]
 
 
-def _used(expressions: Iterable[Expr], shared: Mapping[Symbol, Expr]) -> set[Symbol]:
+def symbols_in(expressions: Iterable[Expr], shared: Mapping[Symbol, Expr]) -> set[Symbol]:
+    """The symbols that are read where the expressions are computed; shared: common parts."""
     used: set[Symbol] = {s for e in expressions for s in e.free_symbols}
     for symbol, e in reversed(list(shared.items())):
         if symbol in used:

@@ -27,7 +27,7 @@ _LOCALS = frozenset(
 _FIELDS = frozenset(
     (
         *("q0", "q1", "v0", "v1", "x", "y", "vx", "vy", "ax", "ay", "work", "turns", "turns1"),
-        *("jx", "jy", "inputs", "slopes", "input_count"),
+        *("jx", "jy", "inputs", "slopes", "input_count", "uses_rates"),
         *(
             "moving",
             "works",
