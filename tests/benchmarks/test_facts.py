@@ -46,7 +46,7 @@ LIMITS = {
     (("parabola.coefficient_start", 50.0),): 4.9e-4,
     (("parabola.coefficient_start", 500.0),): 3.1e-5,
 }
-LONG = (1e-4, 1e-6, 50.0, 500.0)
+LONG = (1e-2, 1e-4, 1e-6, 50.0, 500.0)
 
 
 @pytest.mark.parametrize(

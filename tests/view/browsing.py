@@ -82,11 +82,15 @@ class Tab:
         """Open a page, and wait until it has built itself unless it is not expected to."""
         self.visit(f"{path.as_uri()}#{fragment}", ready=ready)
 
+    def leave(self) -> None:
+        """Show a blank page."""
+        self.call("Page.navigate", url="about:blank")
+        self.wait("location.href === 'about:blank'")
+
     def visit(self, address: str, *, ready: bool = True) -> None:
         """The same, of an address."""
         # from a blank page: an address with a fragment that a tab already shows is not loaded again
-        self.call("Page.navigate", url="about:blank")
-        self.wait("location.href === 'about:blank'")
+        self.leave()
         self.call("Page.navigate", url=address)
         # the blank page before it is complete too
         here = f"location.pathname === {json.dumps(urlparse(address).path)}"

@@ -35,9 +35,20 @@ def new_tab(browser: Browser) -> Iterator[Callable[[], Tab]]:
         tab.close()
 
 
+@pytest.fixture(scope="session")
+def kept_tab(browser: Browser) -> Tab:
+    return browser.tab()
+
+
 @pytest.fixture
-def tab(new_tab: Callable[[], Tab]) -> Tab:
-    made = new_tab()
-    made.size(1280, 900)
-    made.dark(False)
-    return made
+def tab(kept_tab: Tab) -> Iterator[Tab]:
+    """A blank page: always in the same tab, as a new one takes a process of its own.
+
+    What stays with a tab (scripts for all of its pages) needs one from `new_tab`.
+    """
+    kept_tab.size(1280, 900)
+    kept_tab.dark(False)
+    kept_tab.errors.clear()
+    kept_tab.requests.clear()
+    yield kept_tab
+    kept_tab.leave()

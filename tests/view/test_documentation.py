@@ -19,8 +19,14 @@ def page(fmus: Path, tmp_path: Path, name: str) -> Path:
     return tmp_path / "documentation/index.html"
 
 
-@pytest.mark.parametrize("view", VIEWS)
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize(
+    ("name", "view"),
+    [
+        pytest.param(name, view, marks=() if j % len(names()) == i else pytest.mark.slow)
+        for i, name in enumerate(names())
+        for j, view in enumerate(VIEWS)
+    ],
+)
 def test_it_is_read_on_any_screen(tab: Tab, page: Path, view: tuple[int, int, bool]) -> None:
     look(tab, page, view)
     # what is wider than the screen scrolls inside itself

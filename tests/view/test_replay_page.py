@@ -557,7 +557,8 @@ def test_a_gap_is_blank_in_the_plot_and_said_in_the_drawing(tab: Tab, tmp_path: 
     assert "\u2013" in tab.run("document.getElementById('readouts').textContent")
 
 
-def test_an_old_browser_is_told_why(tab: Tab, pages: dict[str, Path]) -> None:
+def test_an_old_browser_is_told_why(new_tab: Callable[[], Tab], pages: dict[str, Path]) -> None:
+    tab = new_tab()  # which keeps the script for all pages to come
     script = "delete window.DecompressionStream"
     tab.call("Page.addScriptToEvaluateOnNewDocument", source=script)
     tab.open(pages["bead"], ready=False)

@@ -89,7 +89,9 @@ def press(tab: Tab, name: str) -> None:
     tab.run(f"document.getElementById('{name}').click()")
 
 
-@pytest.mark.parametrize("name", ["inverted_balance", "two_wires"])
+@pytest.mark.parametrize(
+    "name", ["two_wires", pytest.param("inverted_balance", marks=pytest.mark.slow)]
+)
 def test_it_runs_without_an_error_and_asks_nobody_else(
     tab: Tab, live: Callable[[str], Serving], name: str
 ) -> None:
@@ -254,8 +256,15 @@ def test_what_was_done_is_saved(tab: Tab, live: Callable[[str], Serving], tmp_pa
     ]
 
 
-@pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize(
+    ("size", "dark"),
+    [
+        (SIZES[0], False),
+        (SIZES[1], True),
+        pytest.param(SIZES[0], True, marks=pytest.mark.slow),
+        pytest.param(SIZES[1], False, marks=pytest.mark.slow),
+    ],
+)
 def test_layout_contrast_and_names(
     tab: Tab, live: Callable[[str], Serving], size: tuple[int, int, bool], dark: bool
 ) -> None:
