@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy import Expr, Symbol
 
-from .statement import Constraint
+from .elements import Constraint
 from .sums import shorter
 
 if TYPE_CHECKING:

@@ -22,8 +22,9 @@ import sympy
 from sympy import Expr, Symbol
 
 from .constrained import Constrained
+from .elements import Coordinate, Input, Mass, Parameter
 from .reactions import Reactions
-from .statement import Coordinate, Input, Mass, Mechanics, Parameter
+from .statement import Mechanics
 from .sums import ONE, ZERO, Sum, over, shorter
 
 __all__ = ["Derivation", "Row"]

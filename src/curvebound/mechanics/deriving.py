@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import traceback
 from typing import Any
 
-from ..errors import CurveboundError
+import sympy
+
+from ..errors import CurveboundError, said
 from .derivation import Derivation
 from .derived import Derived, Implied
+from .elements import Coordinate
 from .equations import equations_source
 from .kernel_source import kernel_source
 from .names import Names
-from .statement import Coordinate, Mechanics
+from .statement import Mechanics
+from .statement import __all__ as WORDS
 
 __all__ = ["derived_from"]
 
@@ -48,9 +53,30 @@ def _stated(text: str, where: str) -> dict[str, Any]:
     namespace: dict[str, Any] = {"__name__": "mechanics", "__file__": where}
     try:
         exec(compile(text, where, "exec"), namespace)
+    except SyntaxError as error:
+        place = f"{where}, line {error.lineno}"
+        raise CurveboundError(f"{place}: SyntaxError: {error.msg}.") from error
     except Exception as error:  # whatever the author's own text raises
-        raise CurveboundError(f"{where} fails: {type(error).__name__}: {error}.") from error
+        frames = traceback.extract_tb(error.__traceback__)
+        line = [frame.lineno for frame in frames if frame.filename == where][-1]
+        raise CurveboundError(f"{where}, line {line}: {said(error)}{_hint(error)}.") from error
     return namespace
+
+
+def _hint(error: Exception) -> str:
+    """A remedy for what authors of a mechanics.py often meet, behind the message."""
+    if isinstance(error, NameError):
+        for module, names in (("curvebound.mechanics", WORDS), ("sympy", sympy.__all__)):
+            if error.name in names:
+                return f": import it, from {module} import {error.name}"
+        return ": define it, or import it"
+    text = str(error)
+    if isinstance(error, TypeError) and ("Cannot convert expression" in text or "ufunc" in text):
+        return (
+            ": the functions of math and numpy take numbers, no coordinates and parameters; "
+            "import them from sympy, from sympy import sin"
+        )
+    return ""
 
 
 def _variables(m: Mechanics) -> list[Implied]:

@@ -9,11 +9,11 @@ import sympy
 from sympy import Symbol
 
 from .derivation import Derivation
+from .elements import Input
 from .kernel_outputs import Outputs
 from .kernel_sizes import SEARCHED, SizeParts
 from .names import Names
 from .source import Printer
-from .statement import Input
 from .sums import ZERO
 
 __all__ = ["SETTINGS", "ModelParts", "any_of"]

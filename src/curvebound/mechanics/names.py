@@ -10,8 +10,8 @@ from typing import Any
 from sympy import Symbol
 
 from .derivation import Derivation
+from .elements import Coordinate, Mass, Rate, Shape
 from .source import identifier
-from .statement import Coordinate, Mass, Rate, Shape
 
 __all__ = ["Names"]
 
