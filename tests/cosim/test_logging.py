@@ -54,10 +54,11 @@ def test_two_scenes_at_once_keep_their_messages_apart():
 
 def test_a_log_gives_an_fmu_memory_and_takes_it_back() -> None:
     callbacks = Log().callbacks
+    for function in (callbacks.allocateMemory, callbacks.freeMemory, callbacks.logger):
+        assert ctypes.cast(function, ctypes.c_void_p).value
     place = callbacks.allocateMemory(4, 8)
     assert ctypes.string_at(place, 32) == bytes(32)
     callbacks.freeMemory(place)
-    assert ctypes.cast(callbacks.freeMemory, ctypes.c_void_p).value
 
 
 def test_messages_go_to_the_log_of_their_scene() -> None:

@@ -62,14 +62,14 @@ def test_a_stretch_adds_up_what_the_motion_shows() -> None:
     assert not stretch.move(0.5, 0.25, 1.0, 3.0, 1e-6, 10.0, 2.0)
     assert (stretch.shown, stretch.span, stretch.way) == (1.0, 0.5, 0.25)
     assert (stretch.first, stretch.grown) == (2.0, 1.0)
-    assert stretch.off == pytest.approx(MET * 1e-6 * 0.25**2)
-    assert stretch.made == pytest.approx(MET * 1e-6 * 3.0**2)
+    assert stretch.off == pytest.approx(MET * 1e-6 * 0.25**2, rel=1e-12, abs=0.0)
+    assert stretch.made == pytest.approx(MET * 1e-6 * 3.0**2, rel=1e-12, abs=0.0)
     # the first rate stays, the way is at most there and back, the largest errors count
     assert not stretch.move(0.25, -9.0, -144.0, 1.0, 1e-7, 4.5, 7.0)
     assert (stretch.shown, stretch.span, stretch.way) == (2.0, 0.75, 9.0)
     assert stretch.first == 2.0
-    assert stretch.off == pytest.approx(MET * 1e-7 * 9.0**2)
-    assert stretch.made == pytest.approx(MET * 1e-6 * 3.0**2)
+    assert stretch.off == pytest.approx(MET * 1e-7 * 9.0**2, rel=1e-12, abs=0.0)
+    assert stretch.made == pytest.approx(MET * 1e-6 * 3.0**2, rel=1e-12, abs=0.0)
     stretch.move(0.25, 9.0, 9.0, 1.0, 1e-7, 4.5, 7.0)
     assert stretch.way == 9.0
     assert stretch.move(0.25, 1e-3, 1e-3, 1.0, 1e-7, 4.5, 7.0)
@@ -86,7 +86,7 @@ def test_errors_grow_by_the_less_of_what_is_shown_and_what_the_slopes_allow() ->
     stretch.grow(rate=1.0, fast=100.0, noise=1e-12, strain=1e-7)
     grown = math.exp(2.0)
     assert stretch.grown == pytest.approx(grown)
-    assert stretch.error == pytest.approx(UNIT_ROUNDOFF * 4.0 * grown + 2e-12, rel=1e-12)
+    assert stretch.error == pytest.approx(UNIT_ROUNDOFF * 4.0 * grown + 2e-12, rel=1e-12, abs=0.0)
     assert stretch.slack == pytest.approx(2e-6 * grown + 2e-7, rel=1e-12)
     assert (stretch.shown, stretch.span) == (0.0, 0.0)
     before = stretch.slack
@@ -94,7 +94,9 @@ def test_errors_grow_by_the_less_of_what_is_shown_and_what_the_slopes_allow() ->
     stretch.grow(rate=1.0, fast=1e6, noise=1e-12, strain=1e-7)
     assert stretch.grown == pytest.approx(grown * math.exp(0.5))
     # rounding of the fastest rate so far counts anew
-    assert stretch.error == pytest.approx(UNIT_ROUNDOFF * 1e6 * math.exp(0.5) + 2e-12, rel=1e-12)
+    assert stretch.error == pytest.approx(
+        UNIT_ROUNDOFF * 1e6 * math.exp(0.5) + 2e-12, rel=1e-12, abs=0.0
+    )
     assert stretch.slack == pytest.approx(before * math.exp(0.5) + 2e-7, rel=1e-12)
     stretch.span, stretch.shown = 1.0, 1e4
     stretch.grow(rate=1e4, fast=1.0, noise=0.0, strain=0.0)

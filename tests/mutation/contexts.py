@@ -199,6 +199,8 @@ class Contexts:
 
     def _at(self, file: str, line: int, text: str) -> set[str]:
         seen: set[str] = set()
+        if not file.endswith(".py"):
+            return seen
         for sources, data in self._kept:
             then = _lines_then(sources.get(file, ""), text)
             numbers = {then[number] for number in _statement(text, line) if number in then}

@@ -68,8 +68,8 @@ def test_a_logarithmic_axis_is_the_one_that_was_asked_for() -> None:
 
 def test_errors_of_zero_are_drawn_a_third_of_the_smallest() -> None:
     rows = [{"error": error} for error in (0.0, 4e-9, 2e-10)]
-    assert _floor(rows, "error") == pytest.approx(6e-11)
-    assert _floor(rows[:1], "error") == pytest.approx(3e-17)
+    assert _floor(rows, "error") == pytest.approx(6e-11, rel=1e-12, abs=0.0)
+    assert _floor(rows[:1], "error") == pytest.approx(3e-17, rel=1e-12, abs=0.0)
     assert _floor([{"error": 1e-20}], "error") == 1e-17
 
 
