@@ -82,7 +82,7 @@ def test_a_mistake_is_told_by_its_name(tmp_path: Path, written: str, said: str) 
         (folder / source.name).write_bytes(source.read_bytes())
     drawing = (folder / "drawing.py").read_text(encoding="utf-8").split("\nSKETCH")[0]
     (folder / "drawing.py").write_text(f"{drawing}\nSKETCH = {written}\n", encoding="utf-8")
-    with pytest.raises(CurveboundError, match=f"{said}.*use one of"):
+    with pytest.raises(CurveboundError, match=f"{said}.*(did you mean|there is)"):
         Folder(folder).sketch(Folder(folder).drawing())
 
 

@@ -98,7 +98,8 @@ def run(options: argparse.Namespace) -> int:
                 compiled=not options.no_compile,
                 with_python=options.with_python,
             )
-        console.print(built.message, soft_wrap=True, markup=False)
-        made.append({"name": built.name, "path": str(built.path), "message": built.message})
+        for line in (built.message, *built.notes):
+            console.print(line, soft_wrap=True, markup=False)
+        made.append({**built._asdict(), "path": str(built.path)})
     hand_out(options, made)
     return 0

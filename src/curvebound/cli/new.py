@@ -13,8 +13,6 @@ examples:
 from __future__ import annotations
 
 import argparse
-import keyword
-import re
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -42,16 +40,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the files and say what to do next."""
-    from ..fmi.folder import Folder
+    from ..fmi.folder import fmu_name
 
     folder: Path = options.folder
     name = folder.resolve().name
-    own = Folder(folder.resolve()).name
-    if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name) or keyword.iskeyword(own):
-        raise CurveboundError(
-            f"{name!r} cannot be the name of a system: use small letters, digits and single "
-            "underscores, a letter first, as in my_system, whose FMU is called MySystem"
-        )
+    own = fmu_name(name)
     if folder.exists():
         raise CurveboundError(f"{folder} exists already: choose another name")
     words = {"name": name, "Name": own}

@@ -69,11 +69,12 @@ _PYTHONFMU = ("fmi2slave", "variables", "enums", "logmsg", "default_experiment",
 
 
 class BuiltFmu(NamedTuple):
-    """A built FMU: its name, its path and one line that says what was done."""
+    """A built FMU: its name, its path, one line that says what was done, and what was left open."""
 
     name: str
     path: Path
     message: str
+    notes: tuple[str, ...] = ()
 
 
 def build(
@@ -96,7 +97,8 @@ def build(
     Returns
     -------
     BuiltFmu
-        ``name``, ``path`` and ``message``: one line that says what was done.
+        ``name``, ``path``, ``message``: one line that says what was done, and ``notes``: what the
+        declaration leaves open.
 
     Raises
     ------
@@ -152,7 +154,20 @@ def build(
     path = out / f"{name}.fmu"
     _write(path, files)
     seconds = time.perf_counter() - began
-    return BuiltFmu(name, path, f"{path}: {how}, {path.stat().st_size // 1024} kB, {seconds:.1f} s")
+    done = f"{path}: {how}, {path.stat().st_size // 1024} kB, {seconds:.1f} s"
+    return BuiltFmu(name, path, done, _notes(folder))
+
+
+def _notes(folder: Folder) -> tuple[str, ...]:
+    """What the system's declaration leaves open, a line each."""
+    names = folder.left_open()
+    if not names:
+        return ()
+    return (
+        f"{', '.join(names)}: mechanics.py uses what {folder.path / 'fmu.py'} does not declare; it "
+        "has unit 1 (and a parameter the start value 1) until parameter(...) or input_(...) there "
+        "says otherwise",
+    )
 
 
 def _extensions(sources: Runtime, own: SystemSources) -> tuple[dict[str, bytes], str]:

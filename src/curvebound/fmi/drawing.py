@@ -11,7 +11,7 @@ import json
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from ..errors import CurveboundError
+from ..errors import CurveboundError, nearest
 from .declaration import COUNT, OUTPUT, PARAMETER, Fmu
 from .formula import parse, variables_of
 
@@ -268,8 +268,8 @@ def known(drawing: Drawing, name: str, among: Iterable[str], what: str) -> None:
     """Raise CurveboundError unless the drawing's `name` is `among` those; `what` they are."""
     if name not in among:
         raise CurveboundError(
-            f"the drawing of {drawing.name} names {name!r}, which is not {what} of it: "
-            f"use one of {', '.join(sorted(among))}"
+            f"the drawing of {drawing.name} names {name!r}, which is not {what} of it; "
+            + nearest(name, sorted(among))
         )
 
 

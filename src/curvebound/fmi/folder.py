@@ -26,21 +26,46 @@ from ..mechanics.derive import derive
 from ..mechanics.derived import Derived
 from ..places import fmus_directory
 from .declaration import Fmu
+from .declared import check_names, check_starts, check_variables
 from .drawing import FRAME, Drawing, Point, complete, known, mass_arrows
-from .implied import complete_variables
+from .implied import complete_variables, left_open
 from .sketch import Sketch
 
 if TYPE_CHECKING:
     from .engine import System
 
-__all__ = ["BESIDE", "DECLARATION", "Folder", "find", "names", "shipped_drawings", "systems_in"]
+__all__ = [
+    "BESIDE",
+    "DECLARATION",
+    "Folder",
+    "find",
+    "fmu_name",
+    "names",
+    "shipped_drawings",
+    "systems_in",
+]
 
 #: the folder beside a scene, or in the working directory, in which systems are found by name
 BESIDE = "systems"
 #: in an FMU, the module with the declaration
 DECLARATION = "declaration"
+#: names of folders, whose FMUs are classes: none is a word of Python
+_NAME = re.compile(r"(?!(?:none|true|false)$)[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 #: what makes engines -> what it needs of kernel.py
 _FACTORIES = {"Plant": "model", "Controller": "law"}
+
+
+def fmu_name(name: str) -> str:
+    """The name of the FMU of a folder called `name`: MySystem of my_system.
+
+    Raises CurveboundError where that cannot be the name of a system.
+    """
+    if not _NAME.fullmatch(name):
+        raise CurveboundError(
+            f"{name!r} cannot be the name of a system: use small letters, digits and single "
+            "underscores, a letter first, as in my_system, whose FMU is called MySystem"
+        )
+    return "".join(word.capitalize() for word in name.split("_"))
 
 
 @dataclass(frozen=True)
@@ -57,7 +82,7 @@ class Folder:
     @property
     def system_name(self) -> str:
         """The system's name: that of the folder, in capitals instead of underscores."""
-        return "".join(word.capitalize() for word in self.path.name.split("_"))
+        return fmu_name(self.path.name)
 
     def module(self, name: str) -> ModuleType:
         """One of its Python modules, imported as part of a package of its own.
@@ -123,18 +148,28 @@ class Folder:
 
     def declaration(self) -> Fmu:
         """The same, without the system."""
-        fmu = getattr(self.module("fmu"), "FMU", None)
         source = self.path / "fmu.py"
+        name = self.system_name
+        fmu = getattr(self.module("fmu"), "FMU", None)
         if not isinstance(fmu, Fmu):
             raise CurveboundError(f"{source} declares no FMU: write FMU = Fmu(...)")
-        if fmu.name != self.system_name:
+        if fmu.name != name:
             raise CurveboundError(
-                f"{source} declares an FMU {fmu.name!r}: call it {self.system_name!r}, or rename"
-                " the folder"
+                f"{source} declares an FMU {fmu.name!r}: call it {name!r}, or rename the folder"
             )
+        check_variables(fmu.variables, source)
         if not self.has("kernel"):
-            fmu = fmu._replace(variables=complete_variables(fmu.variables, self.derived()))
+            variables = complete_variables(fmu.variables, self.derived(), source)
+            fmu = fmu._replace(variables=variables)
+        check_starts(fmu, source)
+        check_names(fmu, source)
         return fmu
+
+    def left_open(self) -> list[str]:
+        """Parameters and inputs of mechanics.py of which fmu.py says nothing that is needed."""
+        if self.has("kernel"):
+            return []
+        return left_open(self.module("fmu").FMU.variables, self.derived())
 
     def _system(self) -> System:
         """What makes engines: of a plant, `model` in kernel.py, or of a controller, `law`."""
@@ -155,7 +190,12 @@ class Folder:
         """DRAWING in drawing.py, completed; without one there are the masses, or plots only."""
         drawing = Drawing()
         if self.has("drawing"):
-            drawing = self.module("drawing").DRAWING
+            made = getattr(self.module("drawing"), "DRAWING", None)
+            if not isinstance(made, Drawing):
+                raise CurveboundError(
+                    f"{self.path / 'drawing.py'} declares no drawing: write DRAWING = Drawing(...)"
+                )
+            drawing = made
         elif self.has("mechanics"):
             derived = self.derived()
             frame = derived.frame
@@ -176,6 +216,10 @@ class Folder:
             made = getattr(self.module("drawing"), "SKETCH", None)
         if made is None:
             return None
+        if not isinstance(made, Sketch):
+            raise CurveboundError(
+                f"{self.path / 'drawing.py'} has a SKETCH that is none: write SKETCH = Sketch(...)"
+            )
         points = {FRAME, *(point.name for point in drawing.points)}
         for name in (*made.masses, *(end for one in made.lengths for end in one[:2])):
             known(drawing, name, points, "a point of the drawing")
@@ -252,7 +296,8 @@ def _siblings(path: Path) -> set[str]:
 
 def systems_in(folder: Path) -> list[Folder]:
     """The systems whose folders are in `folder`, by name."""
-    return [Folder(path.parent.resolve()) for path in sorted(folder.glob("*/fmu.py"))]
+    found = [path.parent.resolve() for path in sorted(folder.glob("*/fmu.py"))]
+    return [Folder(path) for path in found if _NAME.fullmatch(path.name)]
 
 
 def names() -> list[str]:
