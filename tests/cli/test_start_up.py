@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from curvebound.cosim import load_scene
+
 HEAVY = {
     "numpy", "scipy", "mpmath", "sympy", "fmpy", "pythonfmu", "pint", "rich", "matplotlib", "shtab",
 }  # fmt: skip
@@ -51,5 +53,5 @@ def test_nothing_heavy_is_loaded_that_is_not_needed(
     words: tuple[str, ...], allowed: tuple[str, ...]
 ) -> None:
     if "run" in words and "--help" not in words:
-        loaded(*words)  # builds the FMU, where the cache has none
+        load_scene(words[1]).check()  # builds the FMU, where the cache has none
     assert loaded(*words) <= set(allowed)
