@@ -266,6 +266,39 @@ def test_points_that_are_hard_to_judge(monkeypatch: pytest.MonkeyPatch) -> None:
     worker.prepared.close()
 
 
+def upright(distance: float) -> RandomPoint:
+    """A bead at rest near the top."""
+    return RandomPoint(1, {**OFF["bead"], "bead.angle_start": math.pi - distance})
+
+
+def test_conditioning_is_what_the_motion_makes_of_a_small_change() -> None:
+    """A change of pi by 1e-9 grows as the distance from the top does: pi / distance of it.
+
+    From far away it is of the size of the motion itself.
+    """
+    derived = DERIVED["bead"]
+    near = upright(1e-6)
+    reference = exact(derived, near.values, count=3.0, parts=sample.PARTS)
+    found = sample._conditioning(derived, near, reference)
+    assert found == pytest.approx(math.pi / 1e-6, rel=1e-2)
+    tame = RandomPoint(1, {**OFF["bead"], "bead.angle_start": 0.5})
+    reference = exact(derived, tame.values, count=3.0, parts=sample.PARTS)
+    assert 1.0 <= sample._conditioning(derived, tame, reference) < 5.0
+
+
+def test_an_error_within_what_conditioning_makes_is_no_wrong_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The same error, well above ALLOWED, at a sensitive point and at a tame one."""
+    monkeypatch.setattr(sample, "sample_error", lambda *_: (1e-3, "bead.angle"))
+    for conditioning, verdict in ((9.9e3, "wrong"), (1.01e4, "sensitive")):
+        monkeypatch.setattr(sample, "_conditioning", lambda *_, x=conditioning: x)
+        (one,) = sample.run_points(SampleSettings("BeadOnWire", times=1.0), [upright(1.0)])
+        assert one.verdict == verdict
+        assert one.message == f"error 1.0e-03 of bead.angle, conditioning {conditioning:.1e}"
+    assert passes([one, *[Sampled(RandomPoint(0, {}), "accurate")] * 100])
+
+
 def test_a_sample_is_summed_up_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     """199 points with errors of 1e-8 to 1.99e-6 and 100 to 19900 evaluations, and one refused."""
     outcomes = [
@@ -289,6 +322,8 @@ def test_a_sample_is_summed_up_in_words(capsys: pytest.CaptureFixture[str]) -> N
         "work: median 10000 evaluations, most 19900 (point 199); slowest run 3.1 s",
         "failed: point 7: too many steps",
     ]
+    print_sample(Console(highlight=False), outcomes[-9:], SampleSettings("BeadOnWire"), 11)
+    assert "declare other `ranges` in fmu.py" in capsys.readouterr().out
 
 
 def test_what_passes() -> None:
@@ -298,7 +333,7 @@ def test_what_passes() -> None:
     assert passes(outcomes(accurate=991, failed=9))
     assert passes(outcomes(accurate=991, warned=9))
     assert not passes(outcomes(accurate=990, warned=10))
-    assert not passes(outcomes(accurate=990, failed=6, unknown=4))
+    assert not passes(outcomes(accurate=990, failed=6, unknown=2, sensitive=2))
     assert not passes(outcomes(accurate=999, wrong=1))
     assert not passes(outcomes(accurate=999, crashed=1))
 

@@ -1,7 +1,8 @@
 """Run random points of all ranges that a system declares, each judged by an exact reference.
 
-Every point is accurate, or says that it is not; what is neither is printed. All points with their
-values go into a table (CSV).
+Every point is accurate, or says that it is not, or is so sensitive to its numbers that no more can
+be asked; what is none of these is wrong. All points with their values go into a table (CSV). Exit
+status 1 where one is wrong, or 1 % or more are not accurate.
 
 examples:
   curvebound sample --points 2000 --jobs 2

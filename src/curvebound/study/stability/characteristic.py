@@ -40,20 +40,32 @@ class Exact(NamedTuple):
     states: Array
 
 
-def exact(derived: Derived, values: Values, *, count: float = 10.0, parts: int = 20) -> Exact:
+def exact(
+    derived: Derived,
+    values: Values,
+    *,
+    count: float = 10.0,
+    parts: int = 20,
+    end: float | None = None,
+) -> Exact:
     """The motion of a point of the sample over `count` characteristic times, at `parts` times.
 
-    Raises CurveboundError where the reference cannot be computed.
+    end: s, in place of the count. Raises CurveboundError where the reference cannot be computed.
     """
     motion = Motion(derived, values)
 
     def found_with(tail: float, resting: float) -> Precise:
-        clock = _Clock(Motion(derived, values, damped=False), count)
+        clock = _Clock(Motion(derived, values, damped=False), count if end is None else math.inf)
+
+        def until(trajectory: Trajectory) -> float:
+            counted = clock.end(trajectory)
+            return counted if end is None else (end if trajectory.end >= end else math.inf)
+
         return solve(
             motion.accelerations,
             motion.slopes,
             motion.start,
-            until=clock.end,
+            until=until,
             pace=lambda: clock.pace,
             longest=LONGEST,
             length=float(np.ravel(motion.unit())[0]),
@@ -61,14 +73,15 @@ def exact(derived: Derived, values: Values, *, count: float = 10.0, parts: int =
             resting=resting,
         )
 
-    try:
-        found = found_with(TAIL, RESTING)
-    except CurveboundError:
-        # forces that all but cancel leave no more digits: still far below what is to be judged
-        found = found_with(1e-6, 1e-8)
-    end = float(found.end)
-    times = [end * i / parts for i in range(parts + 1)]
-    return Exact(end, found.steps, found.trajectory.states(times)[:, :, 0])
+    with np.errstate(all="ignore"):  # a trial step may leave the numbers: the next is shorter
+        try:
+            found = found_with(TAIL, RESTING)
+        except CurveboundError:
+            # forces that all but cancel leave no more digits: still far below what is to be judged
+            found = found_with(1e-6, 1e-8)
+    last = float(found.end)
+    times = [last * i / parts for i in range(parts + 1)]
+    return Exact(last, found.steps, found.trajectory.states(times)[:, :, 0])
 
 
 class _Clock:

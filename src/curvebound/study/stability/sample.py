@@ -1,13 +1,15 @@
 """Every point of a random sample run through its FMU and judged against the exact motion.
 
 A point is accurate, or it failed (the FMU refused the step with a message), or it warned (it ran,
-inaccurately, and the FMU logged a warning), or it is wrong: an error above what is allowed, and no
-word about it.
+inaccurately, and the FMU logged a warning), or it is sensitive (so is its exact motion to a change
+of its numbers: the error is no larger than that makes of a small one), or it is wrong: an error
+above what is allowed, and no word about it.
 """
 
 from __future__ import annotations
 
 import math
+import random
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
@@ -40,6 +42,10 @@ __all__ = [
 
 #: largest relative error of an accurate point
 ALLOWED = 1e-6
+#: relative change of a point's numbers, by which its conditioning is found; that up to which no
+#: more than ALLOWED is allowed
+CHANGE = 1e-9
+TAME = 10.0
 #: communication steps of a run
 PARTS = 20
 #: a coordinate below this part of the system's length (a rate: of length per characteristic time)
@@ -66,9 +72,9 @@ class SampleSettings:
 class Sampled:
     """What became of a point.
 
-    verdict: accurate, failed, warned (inaccurate, and the FMU said so), wrong, crashed, or unknown
-    (no reference). error: the largest over all outputs and times, relative. energy: the largest
-    residual over the energy at stake.
+    verdict: accurate, failed, warned (inaccurate, and the FMU said so), sensitive (inaccurate, as
+    its conditioning lets expect), wrong, crashed, or unknown (no reference). error: the largest
+    over all outputs and times, relative. energy: the largest residual over the energy at stake.
     """
 
     point: RandomPoint
@@ -133,8 +139,15 @@ class _Worker:
         outcome.evaluations = int(result["plant.solver.evaluations"][-1])
         if not outcome.error <= ALLOWED:
             said = [note for note in result.notes if note.startswith("plant: ")]
-            outcome.verdict = "warned" if said else "wrong"
-            outcome.message = f"error {outcome.error:.1e}; {said[0]}" if said else ""
+            outcome.message = f"error {outcome.error:.1e}"
+            if said:
+                outcome.verdict = "warned"
+                outcome.message += f"; {said[0]}"
+                return outcome
+            conditioning = _conditioning(self.derived, point, reference)
+            tame = outcome.error > ALLOWED * conditioning / TAME
+            outcome.verdict = "wrong" if tame else "sensitive"
+            outcome.message += f" of {outcome.output}, conditioning {conditioning:.1e}"
         return outcome
 
 
@@ -171,6 +184,30 @@ def sample_error(
         if error > worst:
             worst, name_of_worst = error, name
     return worst, name_of_worst
+
+
+def _conditioning(derived: Derived, point: RandomPoint, reference: Exact) -> float:
+    """How much the motion magnifies a relative change of the point's numbers; at least 1.
+
+    The largest of three changes of all of them by CHANGE, up or down.
+    """
+    rng = random.Random(point.number)
+    names = (*derived.coordinates, *derived.rates)
+    half = len(derived.coordinates)
+    found = 1.0
+    for _ in range(3):
+        values = {
+            name: value if isinstance(value, str) else value * (1.0 + rng.choice((-1, 1)) * CHANGE)
+            for name, value in point.values.items()
+        }
+        try:
+            other = exact(derived, values, parts=PARTS, end=reference.end)
+        except CurveboundError:
+            continue  # a motion that another comes near to
+        rows = other.states[[*range(half), *range(2, 2 + half)]]
+        columns = dict(zip(names, rows, strict=True))
+        found = max(found, sample_error(derived, point, reference, columns)[0] / CHANGE)
+    return found
 
 
 def _energy(columns: dict[str, Array]) -> float:
