@@ -128,7 +128,7 @@ class _Controller:
     def taken(self, error: float) -> float:
         """After a step that is kept: proportional and integral, 0.7 and 0.4 of 1 / order."""
         error = max(error, 1e-8)
-        factor = _SAFETY * error ** (-0.7 / self._order) * self._before ** (0.4 / self._order)
+        factor: float = _SAFETY * error ** (-0.7 / self._order) * self._before ** (0.4 / self._order)
         factor = min(factor, 1.0 if self._rejected else _GROW)
         self._before, self._rejected = error, False
         return factor
@@ -136,7 +136,7 @@ class _Controller:
     def rejected(self, error: float) -> float:
         """After one that is not."""
         self._rejected = True
-        factor = _SAFETY * error ** (-1.0 / self._order) if math.isfinite(error) else _SHRINK
+        factor: float = _SAFETY * error ** (-1.0 / self._order) if math.isfinite(error) else _SHRINK
         return min(factor, 0.9)
 
 
