@@ -128,7 +128,9 @@ class _Controller:
     def taken(self, error: float) -> float:
         """After a step that is kept: proportional and integral, 0.7 and 0.4 of 1 / order."""
         error = max(error, 1e-8)
-        factor: float = _SAFETY * error ** (-0.7 / self._order) * self._before ** (0.4 / self._order)
+        factor: float = (
+            _SAFETY * error ** (-0.7 / self._order) * self._before ** (0.4 / self._order)
+        )
         factor = min(factor, 1.0 if self._rejected else _GROW)
         self._before, self._rejected = error, False
         return factor
