@@ -6,10 +6,15 @@ import logging
 import re
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from curvebound import progress
+from curvebound.cli import main
+from curvebound.cosim import capabilities
+from curvebound.fmi import cached
+from curvebound.fmi.folder import Folder
 from curvebound.progress import Progress, duration
 
 
@@ -109,3 +114,19 @@ def test_lines(done: float, total: float | None, unit: str, note: str, said: str
     one = Progress("x", total, unit)
     one._began, one._done, one._note = time.monotonic() - 20.0, done, note
     assert one.line() == said
+
+
+def test_a_run_that_builds_first_says_so(
+    lines: list[str], monkeypatch: pytest.MonkeyPatch, interpreted_fmus: Path
+) -> None:
+    def slowly(folder: Folder) -> Path:
+        time.sleep(0.5)
+        return interpreted_fmus / f"{folder.name}.fmu"
+
+    monkeypatch.setattr(cached, "cached_fmu", slowly)
+    capabilities._built.cache_clear()
+    assert main(["run", "bead_on_wire", "--stop", "0.01"]) == 0
+    capabilities._built.cache_clear()
+    assert lines[0].startswith("building BeadOnWire, after")
+    building = [line.startswith("building") for line in lines]
+    assert building == sorted(building, reverse=True)  # the run is not told of before it began

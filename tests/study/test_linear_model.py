@@ -98,3 +98,28 @@ def test_the_command_cuts_nothing_and_says_about_which_state(
     assert "x0 is no equilibrium, --equilibrium looks for one: slider.u_rate'" in (
         capsys.readouterr().out
     )
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("parabola.ax=1", "parabola.ax = 1: set it to 0, or choose inputs without it"),
+        ("parabola.coefficient_rate_start=0.1", "parabola.coefficient_rate_start = 0.1: set it"),
+        ("parabola.coefficient_acceleration=0.2", "parabola.coefficient_acceleration = 0.2"),
+    ],
+)
+def test_what_moves_by_its_settings_has_no_equilibrium_and_writes_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], setting: str, said: str
+) -> None:
+    out = tmp_path / "model.npz"
+    words = ["linearize", "ParabolaPendulum", "--set", setting, "--out", str(out)]
+    assert main([*words, "--equilibrium"]) == 1
+    heard = " ".join(capsys.readouterr().err.split())
+    assert f"ParabolaPendulum has no equilibrium with {said}" in heard
+    assert not out.exists()
+
+
+def test_a_frame_that_is_pushed_and_no_input_has_a_relative_equilibrium() -> None:
+    at = {"wire.ax": 9.81, "bead.angle": -0.5}
+    model = linearize("BeadOnWire", at=at, inputs=["bead.fx"], equilibrium=True)
+    assert model.x0[0] == pytest.approx(-math.pi / 4, rel=1e-15)

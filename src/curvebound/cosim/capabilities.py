@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ..fmi.folder import Folder, find
+from ..progress import Progress
 from .scene_data import SceneData
 from .signals import Signal, jumps_of
 from .system import Node, Port, path_of
@@ -98,4 +99,5 @@ def _built(system: Folder) -> Path:
     """The FMU of a system, built; once in a process, as its sources do not change under it."""
     from ..fmi.cached import cached_fmu
 
-    return cached_fmu(system)
+    with Progress(f"building {system.name}"):
+        return cached_fmu(system)

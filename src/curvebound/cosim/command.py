@@ -44,15 +44,18 @@ def run_all(
 
 
 def _run_one(label: str, scene: SceneData, out: Path | None, *, with_units: bool) -> Result:
-    with Progress(label, scene.stop_time - scene.start_time, "s") as progress:
-        try:
-            with Prepared(scene) as prepared:
-                result = prepared.run(progress=lambda time: progress(time - scene.start_time))
-        except (RunFailed, RunInterrupted) as error:
-            if out is not None and len(error.result.data):
-                written = error.result.write(out, with_units=with_units)
-                raise CurveboundError(f"{error} The result up to there is in {written}.") from error
-            raise CurveboundError(str(error)) from error
+    try:
+        # what builds FMUs first tells how far that is
+        with (
+            Prepared(scene) as prepared,
+            Progress(label, scene.stop_time - scene.start_time, "s") as progress,
+        ):
+            result = prepared.run(progress=lambda time: progress(time - scene.start_time))
+    except (RunFailed, RunInterrupted) as error:
+        if out is not None and len(error.result.data):
+            written = error.result.write(out, with_units=with_units)
+            raise CurveboundError(f"{error} The result up to there is in {written}.") from error
+        raise CurveboundError(str(error)) from error
     if out is not None:
         result.write(out, with_units=with_units)
     return result

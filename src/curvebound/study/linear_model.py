@@ -31,6 +31,8 @@ __all__ = ["LinearModel", "linearize"]
 _DIGITS = 50
 _STEP = "1e-24"
 _ITERATIONS = 60
+#: what keeps a shape moving
+_DRIVING = ("rate_start", "acceleration")
 Matrix = NDArray[np.float64]
 
 
@@ -121,7 +123,8 @@ def linearize(
     Raises
     ------
     CurveboundError
-        A name is unknown, no equilibrium is found, or scipy or mpmath is not installed.
+        A name is unknown, there is no equilibrium or none is found, or scipy or mpmath is not
+        installed.
     """
     require("study")
     import mpmath
@@ -150,7 +153,7 @@ def linearize(
     with mpmath.workdps(_DIGITS):
         found = _Point(derived, values)
         if equilibrium:
-            found.settle(folder.name)
+            found.settle(folder.name, chosen_inputs)
         model = found.model(chosen_inputs, chosen_outputs)
     units = {n: declared[n].unit for n in (*model.states, *chosen_inputs, *chosen_outputs)}
     return LinearModel(**{**model.__dict__, "units": units})
@@ -191,10 +194,21 @@ class _Point:
             s |= {f"acceleration.{i}": a for i, a in enumerate(accelerations)}
         return function(self.F, s)
 
-    def settle(self, name: str) -> None:
+    def settle(self, name: str, inputs: Sequence[str]) -> None:
         """Newton's method for a state of rest."""
         import mpmath
 
+        driving = [f"{shape}_{n}" for shape in self.derived.shapes for n in _DRIVING]
+        pushes = [f"{self.derived.frame}.a{axis}" for axis in "xy"]
+        driving += [n for n in pushes if n in inputs]  # whose position is a state
+        moving = [n for n in driving if self.values.get(n, 0) != 0]
+        if moving:
+            raise CurveboundError(
+                f"{name} has no equilibrium with "
+                + ", ".join(f"{n} = {float(self.values[n]):g}" for n in moving)
+                + f": set {'them' if len(moving) > 1 else 'it'} to 0"
+                + ", or choose inputs without it." * (moving[-1] in pushes)
+            )
         for rate in self.derived.rates:
             self.s[rate] = self.F.number(0)
         coordinates = self.derived.coordinates
