@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -12,7 +13,9 @@ from sympy import Symbol, cos, sin
 import curvebound.mechanics
 from curvebound.errors import CurveboundError
 from curvebound.mechanics import Mechanics, angle, drag, input_, length, mass, parameter, shape
+from curvebound.mechanics.derived import Derived
 from curvebound.mechanics.deriving import derived_from
+from curvebound.mechanics.numeric import double
 
 U, TH = length("bead.u"), angle("rod.angle")
 K = parameter("spring.stiffness")
@@ -143,3 +146,24 @@ def test_help_lists_the_words() -> None:
     for word in (*curvebound.mechanics.__all__, *Mechanics.__dataclass_fields__):
         assert word in text, word
         assert word not in curvebound.mechanics.__all__ or word in dir(curvebound.mechanics)
+
+
+@pytest.mark.parametrize("frame", ["cart", ""])
+def test_symbols_at_a_time_after_the_start(frame: str) -> None:
+    """Frame and shapes move by polynomials; coordinates and rates are those of the start."""
+    named: Any = SimpleNamespace(
+        variables=[SimpleNamespace(name="bob.fx", kind="input")], frame=frame, shapes=["bend"],
+        coordinates=["u"], rates=["u_rate"],
+    )  # fmt: skip
+    values = {
+        "gravity.x": 1.0, "gravity.y": -9.0, "cart.ax": 2.0, "cart.ay": 4.0, "bend_start": 5.0,
+        "bend_rate_start": 6.0, "bend_acceleration": 8.0, "u_start": 0.25, "u_rate_start": 0.75,
+    }  # fmt: skip
+    found = Derived.at(named, double, values, 3.0)
+    assert {name: found[name] for name in ("bob.fx", "u", "u_rate", "bend", "bend_rate")} == {
+        "bob.fx": 0, "u": 0.25, "u_rate": 0.75, "bend": 5.0 + 18.0 + 36.0, "bend_rate": 30.0
+    }  # fmt: skip
+    moves = [found[f"frame.{name}"] for name in ("x", "y", "vx", "vy", "ax", "ay")]
+    assert moves == ([9.0, 18.0, 6.0, 12.0, 2.0, 4.0] if frame else [0] * 6)
+    field = [found["field.x"], found["field.y"]]
+    assert field == ([-1.0, -13.0] if frame else [1.0, -9.0])
