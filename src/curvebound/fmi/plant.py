@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from ..kernel.base import MOST_INPUTS, Model
+from ..kernel.base import MOST_INPUTS, Model, check_start
 from ..kernel.directional import output_changes
 from ..kernel.method import (
     DONE,
@@ -68,6 +68,7 @@ class PlantEngine(DerivativeEngine):
             )
         try:
             model.start(reals, choices)
+            check_start(model, reals)
         except ValueError as error:
             return str(error)
         self.model = model

@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar, Final
 
 __all__ = [
     *("MOST_INPUTS", "MOST_VARIABLES", "Inputs", "Model", "Values"),
-    *("acceleration_of", "jacobian_of"),
+    *("acceleration_of", "check_start", "jacobian_of"),
 ]
 
 #: of one model
@@ -242,6 +242,24 @@ def acceleration_of(
     """(a0, a1) of a model, for those who have no need of speed."""
     model.acceleration(t, q0, q1, v0, v1)
     return model.a0, model.a1
+
+
+def check_start(model: Model, parameters: dict[str, float]) -> None:
+    """Raise ValueError where a model that has started has no acceleration there."""
+    try:
+        model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
+    except ZeroDivisionError:
+        model.take_inputs()
+        model.refresh()  # of a kernel that leaves it to the first inputs
+        try:
+            model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
+        except ZeroDivisionError as error:
+            starts = [f"{n} = {x!r}" for n, x in parameters.items() if n.endswith("_start")]
+            raise ValueError(
+                f"there is no acceleration at the start, {', '.join(starts)} (division by zero): "
+                "there a coordinate moves no mass, or a position or force is infinite; choose "
+                "another start value, and in fmu.py ranges without this one"
+            ) from error
 
 
 def jacobian_of(
