@@ -58,6 +58,10 @@ def declared(folder: Path, variables: str) -> dict[str, Variable]:
     [
         (BEND + BEND, r"declares track\.bend 2 times: keep one"),
         (BEND[:-1], r"declares track\.bend alone, which takes a comma"),
+        (
+            BEND.replace("track.", "track-"),
+            r"declares 'track-bend', no name of a variable: use let",
+        ),
         (BEND + '"bead.mass",', "declares 'bead.mass' among the variables"),
         (
             'parameter("bead.u_start", 1.0, "m", "start"),',

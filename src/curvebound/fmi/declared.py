@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 from ..errors import CurveboundError, nearest
+from ..naming import RULE, is_variable_name
 from ..units import exponents
 from .declaration import (
     CHOICE,
@@ -67,6 +68,8 @@ def _check_fields(v: Variable, where: Path) -> None:
             f"{where} declares {v.name!r} with {text}: the start is a number, all else is text; "
             f"write {HOW[v.kind]}"
         )
+    if not is_variable_name(v.name):
+        raise CurveboundError(f"{where} declares {v.name!r}, no name of a variable: use {RULE}")
     if v.kind in (PARAMETER, INPUT, OUTPUT):
         try:
             exponents(v.unit)
