@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
+from ..errors import CurveboundError
 from ..fmi.folder import Folder, find
+from ..places import fmus_directory
 from ..progress import Progress
 from .scene_data import SceneData
 from .signals import Signal, jumps_of
 from .system import Node, Port, path_of
 
-__all__ = ["lacking", "located", "stops"]
+__all__ = ["described", "has_unbuilt", "lacking", "located", "stops"]
 
 
 def lacking(scene: SceneData, nodes: Mapping[str, Node]) -> list[str]:
@@ -79,6 +82,34 @@ def stops(
     ]
 
 
+#: systems that were built, or found built, in this process
+_SEEN: set[Folder] = set()
+
+
+def has_unbuilt(scene: SceneData) -> bool:
+    """Whether a component is a system of one's own that may have to be compiled, for a minute.
+
+    Those that come with the package have compiled kernels.
+    """
+    for component in scene.components.values():
+        if Path(component.source).suffix.lower() != ".fmu":
+            with suppress(CurveboundError):  # what cannot be found is told where it is located
+                system = find(component.source, scene.folder)
+                if system not in _SEEN and system.path.parent != fmus_directory().resolve():
+                    return True
+    return False
+
+
+def described(source: str | Path, folder: Path | None, place: Path) -> Path:
+    """As `located`; of a system a file in the folder `place` that only describes its FMU."""
+    if Path(source).suffix.lower() == ".fmu":
+        return located(source, folder)
+    from ..fmi.cached import write_described
+
+    system = find(source, folder)
+    return write_described(system, place / f"{system.name}.fmu")
+
+
 def located(source: str | Path, folder: Path | None) -> Path:
     """The FMU file that a component names; one of ours is built if need be."""
     path = Path(source)
@@ -88,6 +119,7 @@ def located(source: str | Path, folder: Path | None) -> Path:
         if not built.is_file():  # the cache was emptied
             _built.cache_clear()
             built = _built(system)
+        _SEEN.add(system)
         return built
     if folder is not None and not path.is_absolute():
         path = folder / path

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Callable
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from ..errors import CurveboundError, OutsideError, nearest
-from .capabilities import lacking, located, stops
+from .capabilities import described, has_unbuilt, lacking, located, stops
 from .fmu import Fmu, Value, Variable, read_fmu
 from .ordering import Ordering
 from .scene_data import SceneData
@@ -22,15 +23,25 @@ __all__ = ["resolve"]
 
 
 def resolve(scene: SceneData) -> System:
-    """Check the whole scene; CurveboundError lists all that is wrong in it."""
+    """Check the whole scene; CurveboundError lists all that is wrong in it.
+
+    By descriptions first, where systems would have to be compiled.
+    """
+    if has_unbuilt(scene):
+        with tempfile.TemporaryDirectory(prefix="curvebound-described-") as place:
+            _Resolution(scene, Path(place)).run()
     return _Resolution(scene).run()
 
 
 class _Resolution:
-    """Collects problems instead of stopping at the first."""
+    """Collects problems instead of stopping at the first.
 
-    def __init__(self, scene: SceneData) -> None:
+    place: folder for descriptions of FMUs, which then are not built.
+    """
+
+    def __init__(self, scene: SceneData, place: Path | None = None) -> None:
         self.scene = scene
+        self.place = place
         self.problems: list[str] = []
         self.error = CurveboundError
         self.notes: list[str] = list(scene.notes)
@@ -70,7 +81,8 @@ class _Resolution:
 
     def _component(self, component: Component) -> None:
         try:
-            fmu = read_fmu(located(component.source, self.scene.folder))
+            where = component.source, self.scene.folder
+            fmu = read_fmu(described(*where, self.place) if self.place else located(*where))
         except CurveboundError as error:
             self.problems.append(f"component {component.name}: {error}")
             self.error = OutsideError if isinstance(error, OutsideError) else self.error
@@ -92,6 +104,8 @@ class _Resolution:
             else:
                 try:
                     start[name] = variable.value(given)
+                    if start[name] != start[name]:
+                        raise ValueError("nan is no value; give a number")
                 except ValueError as error:
                     self.problems.append(f"{path}: {error}")
         dependencies = self._feedthrough(component, fmu, fmu.dependencies)

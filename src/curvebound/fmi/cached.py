@@ -1,21 +1,23 @@
-"""Our FMUs for scenes: built when first asked for, kept in the cache."""
+"""Our FMUs for scenes: described, and built when first asked for, kept in the cache."""
 
 from __future__ import annotations
 
 import hashlib
 import platform
 import sys
+import zipfile
 from importlib.metadata import version
 from pathlib import Path
+from xml.etree.ElementTree import tostring
 
 from .. import cache
 from . import compile as kernel
 from .binaries import PLATFORMS, compile_binary
-from .description import timestamp
+from .description import describe, timestamp
 from .folder import Folder
 from .runtime import runtime, system_sources
 
-__all__ = ["cached_fmu"]
+__all__ = ["cached_fmu", "write_described"]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -45,3 +47,19 @@ def cached_fmu(folder: Folder) -> Path:
         build(folder, to)
 
     return cache.entry("fmus", parts, make) / f"{folder.name}.fmu"
+
+
+def write_described(folder: Folder, path: Path) -> Path:
+    """Write what an FMU of the system tells of itself, without what runs: nothing is compiled.
+
+    Returns `path`. Raises CurveboundError for a mistake in the system.
+    """
+    from .slave import table_of  # and PythonFMU, which what is kept does not need
+
+    folder.drawing()
+    fmu = folder.fmu()
+    assert fmu.system is not None
+    root = describe(fmu, "{described}", fmu.system.create(table_of(fmu), ""), derivatives=True)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", tostring(root))
+    return path
