@@ -114,6 +114,22 @@ def test_a_reference_that_is_none(rows: str, words: str, foreign: Make, tmp_path
     assert words in " ".join(text for _, text in found.values()), found
 
 
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"stop": 0.0}, "no run from 0 s to 0 s"),
+        ({"step": 0.0}, "by 0 s"),
+        ({"stop": -1.0}, "-1 s"),
+    ],
+)
+def test_zero_and_less_are_not_taken_for_what_the_fmu_has(
+    asked: dict[str, float], words: str, foreign: Make
+) -> None:
+    outcome, text = told(foreign("NONE"), "simulation", **asked)["simulation"]
+    assert outcome == "failed"
+    assert words in text
+
+
 def test_steps_that_cannot_be_run(foreign: Make) -> None:
     found = told(foreign("NONE"), "simulation", stop=1e9, step=1e-9)
     assert "communication points, and a check takes 1000000 at most" in found["simulation"][1]

@@ -67,7 +67,7 @@ scene Store None
 --variants StoreTrue False
 --out Store None takes a.csv a.json a.parquet a.npz
 --units StoreTrue False
---replay? Store None
+--replay? Store None takes
 {SCENE}
 {MOVIES}
 {COMMON}
@@ -102,7 +102,7 @@ scene Store None
 """,
     "replay": f"""
 results+ Store None
---out Store None
+--out Store None takes
 --title Store None
 --system Append []
 --open StoreTrue False
@@ -111,7 +111,7 @@ results+ Store None
 """,
     "ssp": f"""
 scene Store None
---out Store None
+--out Store None takes
 {SCENE}
 {COMMON}
 """,

@@ -76,6 +76,14 @@ def circle(files: dict[str, bytes]) -> None:
         (text(SSD, 'source="[^"]*"', 'source="resources/none.fmu"'), "no file resources/none.fmu"),
         (text(SSD, 'source="[^"]*"', 'source="../../x.fmu"'), "leaves the package"),
         (text(SSD, 'startConnector="[^"]*"', 'startConnector="nope"'), "no connector"),
+        (
+            text(
+                "resources/plant.ssv",
+                r"(<ssv:Parameter name)(.*?</ssv:Parameter>)",
+                r'\1\2\1="slider.u_start"><ssv:Real value="7"/></ssv:Parameter>',
+            ),
+            "slider.u_start is 0.0 and 7.0 in one set",
+        ),
         (annotation("hello"), "the annotation Scene: it is no JSON"),
         (annotation("[1]"), "the annotation Scene: it is"),
         (annotation('{"algorithm": 7}'), "algorithm is 7"),
@@ -136,6 +144,20 @@ def test_a_file_that_is_damaged(damage: str, files: dict[str, bytes], tmp_path: 
     with pytest.raises(Exception, match=r"wrong\.ssp") as error:
         load_scene(path)
     assert type(error.value).__name__ in ("OutsideError", "CurveboundError")
+
+
+def test_a_unit_that_is_described_nowhere_is_told(files: dict[str, bytes], tmp_path: Path) -> None:
+    own = dict(files)
+    text("resources/plant.ssv", r'(<ssv:Real value=)"[^"]*"', r'\1"5" unit="furlong"')(own)
+    path = tmp_path / "units.ssp"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in own.items():
+            archive.writestr(name, data)
+    note = (
+        "plant.slider.u_start = 5.0 is given in furlong, a unit that the package describes "
+        "nowhere: taken as m."
+    )
+    assert note in load_scene(path).check().notes
 
 
 def test_connections_in_a_circle_end(files: dict[str, bytes], tmp_path: Path) -> None:

@@ -76,6 +76,17 @@ def test_files(tmp_path: Path) -> None:
         model.write(tmp_path / "bead.json" / "bead.npz")
 
 
+@pytest.mark.parametrize("value", [math.nan, math.inf, "nan", "9**9**9"])
+def test_a_state_that_is_no_number_is_refused(value: float | str) -> None:
+    with pytest.raises(CurveboundError, match=r"bead\.angle.*(finite|not a number)"):
+        linearize("BeadOnWire", {"bead.angle": value})
+
+
+def test_a_system_without_mechanics_is_named() -> None:
+    with pytest.raises(CurveboundError, match="ParabolaDrive states no mechanics"):
+        linearize("ParabolaDrive")
+
+
 def test_unknown_names_are_refused() -> None:
     with pytest.raises(CurveboundError, match=r"no bead\.angel to linearise at.*bead\.angle"):
         linearize("BeadOnWire", at={"bead.angel": 1.0})

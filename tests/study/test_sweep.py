@@ -99,6 +99,12 @@ def test_a_metric_that_says_more_than_arithmetic_is_refused(text: str) -> None:
         Metric(text)
 
 
+@pytest.mark.parametrize("text", ["-" * 20000 + "1", "-" * 200 + "1", "1" + "+1" * 3000])
+def test_a_metric_that_is_nested_too_deeply_is_refused(text: str) -> None:
+    with pytest.raises(CurveboundError, match="nested too deeply"):
+        Metric(text)
+
+
 def test_a_metric_that_is_no_single_number_says_what_to_do() -> None:
     with pytest.raises(CurveboundError, match="wrap it"):
         Metric("a.x + 1")

@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,20 @@ def test_a_broken_file_is_one_paragraph_and_status_2(
     assert said in heard
     assert "Traceback" not in heard
     assert not (tmp_path / "broken.html").exists()
+
+
+def test_a_page_is_never_written_over_a_result(tmp_path: Path, capsys) -> None:
+    for name in ("a.csv", "b.html"):
+        (tmp_path / name).write_text("time,x\n0,1\n1,2\n")
+    for given in (["a.csv", "--out", "a.csv"], ["b.html"]):
+        words = [word if word == "--out" else str(tmp_path / word) for word in given]
+        with suppress(SystemExit):
+            assert main(["replay", *words]) == 1
+        assert "a.csv' does not end in .html" in (said := capsys.readouterr().err) or (
+            "b.html is one of the results" in said
+        )
+    for name in ("a.csv", "b.html"):
+        assert (tmp_path / name).read_text().startswith("time,x")
 
 
 def test_too_many_results_and_a_place_that_cannot_be_written(

@@ -46,12 +46,12 @@ class Subject:
         """What runs the experiment."""
         fmu, request, table = self.fmu, self.request, self.reference
         start = fmu.start_time or 0.0
-        step = request.step or fmu.step
-        stop = request.stop or fmu.stop_time or start + 1.0
+        step = fmu.step or None if request.step is None else request.step
+        stop = (fmu.stop_time or start + 1.0) if request.stop is None else request.stop
         if table is not None and request.stop is None and request.step is None:
             points = table.points(start, step)
         else:
-            step = step or (stop - start) / 100.0
+            step = (stop - start) / 100.0 if step is None else step
             if not (stop > start and step > 0.0):
                 raise Wrong(f"there is no run from {start:g} s to {stop:g} s by {step:g} s")
             require_few((stop - start) / step, start, stop, step)

@@ -88,7 +88,7 @@ def _text(model: LinearModel) -> str:
     moving = [
         f"{name}' = {rate:.3g}"
         for name, rate in zip(model.states, model.rest, strict=True)
-        if abs(rate) > _REST
+        if not abs(rate) <= _REST
     ]
     if moving:
         parts.append(f"x0 is no equilibrium, --equilibrium looks for one: {', '.join(moving)}")
@@ -106,4 +106,4 @@ def _text(model: LinearModel) -> str:
 
 
 def _shown(value: float) -> str:
-    return f"{value:.6g}" if abs(value) > _ZERO else "0"
+    return "0" if abs(value) <= _ZERO else f"{value:.6g}"

@@ -38,7 +38,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="results, the first being the one that the others are compared with",
     )
     parser.add_argument(
-        "--out", type=Path, metavar="FILE.html", help="default: beside the first result"
+        "--out",
+        type=file_of(".html", ".htm"),
+        metavar="FILE.html",
+        help="default: beside the first result",
     )
     parser.add_argument("--title", help="heading of the page (default: the labels)")
     parser.add_argument(
@@ -76,6 +79,8 @@ def run(options: argparse.Namespace) -> int:
             except CurveboundError as error:
                 notes.append(str(error))
     out = options.out or paths[0][1].with_suffix(".html")
+    if out.resolve() in [path.resolve() for _, path in paths]:
+        raise CurveboundError(f"{out} is one of the results: give the page another name, --out.")
     write_replay(results, out, options.title, notes, known)
     written = [out]
     if options.picture:

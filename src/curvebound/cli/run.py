@@ -33,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--replay",
         metavar="FILE.html",
-        type=Path,
+        type=file_of(".html", ".htm"),
         nargs="?",
         const=Path(),
         help="write an HTML page that replays the motion (default build/NAME.html)",

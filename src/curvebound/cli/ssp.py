@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..arguments import file_of
 from ..cosim.options import configure_changes as _configure_changes
 from ..output import say
 
@@ -25,7 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.add_argument("scene", metavar="SCENE", help="a .py file or a scene's name")
     parser.add_argument(
-        "--out", metavar="FILE.ssp", type=Path, help="the package (default NAME.ssp)"
+        "--out", metavar="FILE.ssp", type=file_of(".ssp"), help="the package (default NAME.ssp)"
     )
     _configure_changes(parser)
 

@@ -122,7 +122,12 @@ class Parameters:
         value: Value = parameter.value
         if parameter.unit and variable.dimension and parameter.unit != variable.unit:
             of = self._unit(parameter, parameter.unit)
-            if of is not None:
+            if of is None:
+                self.notes.append(
+                    f"{'.'.join(port)} = {value} is given in {parameter.unit}, a unit that the "
+                    f"package describes nowhere: taken as {variable.unit}."
+                )
+            else:
                 value = self._converted(
                     value, of, variable.dimension, port, parameter.unit, variable.unit
                 )

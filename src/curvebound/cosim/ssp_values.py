@@ -141,6 +141,7 @@ def _parse(folder: Path, source: str) -> Element:
 def _values(parameter_set: Element) -> list[Parameter]:
     units = units_of(parameter_set.find("ssv:Units", NAMESPACES))
     found = []
+    given: dict[str, Value] = {}
     for parameter in parameter_set.findall("ssv:Parameters/ssv:Parameter", NAMESPACES):
         for typed in parameter:
             kind = typed.tag.rpartition("}")[2]
@@ -149,6 +150,8 @@ def _values(parameter_set: Element) -> list[Parameter]:
             text = typed.get("value", "")
             name = parameter.get("name", "")
             value: Value = number(text, name) if kind == "Real" else text
+            if given.setdefault(name, value) != value:
+                raise ValueError(f"{name} is {given[name]} and {value} in one set")
             found.append(Parameter(name, value, typed.get("unit"), units))
     return found
 

@@ -7,6 +7,7 @@ them is left: A, B, C and D are right to the last bit of a double.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cosim.formats import write_npz
-from ..errors import CurveboundError, nearest
+from ..errors import CurveboundError, nearest, reading
 from ..files import write_whole
 from ..fmi.declaration import CHOICE, INPUT, OUTPUT, PARAMETER
 from ..fmi.folder import find
@@ -130,6 +131,11 @@ def linearize(
     import mpmath
 
     folder = find(system)
+    if not (folder.path / "mechanics.py").is_file():
+        raise CurveboundError(
+            f"{folder.name} states no mechanics, from which a linear model is derived: name a "
+            "system that has a mechanics.py."
+        )
     derived = derive(folder.path / "mechanics.py", folder.name)
     declared = {v.name: v for v in folder.fmu().variables}
     known = [v.name for v in declared.values() if v.kind == INPUT]
@@ -148,7 +154,10 @@ def linearize(
             )
         kind, unit = declared[key].type, declared[key].unit
         if isinstance(value, str):
-            value = kind.number(value) if kind else number(value, unit)
+            with reading(name):
+                value = kind.number(value) if kind else number(value, unit)
+        if not math.isfinite(value):
+            raise CurveboundError(f"{name} = {value} is not finite: give a finite number.")
         values[key] = value
     with mpmath.workdps(_DIGITS):
         found = _Point(derived, values)

@@ -53,6 +53,7 @@ _COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
 }
+_DEEPEST = 100  # levels of an expression
 _NAMES = ", ".join([*_REDUCE, "at(x, t)", "when(condition)", *_EACH])
 
 
@@ -70,12 +71,17 @@ class Metric:
 
     def __init__(self, text: str) -> None:
         self.text = text.strip()
-        try:
-            self._tree = ast.parse(self.text, mode="eval").body
-        except SyntaxError as error:
-            raise CurveboundError(f"The metric {text!r} is no expression: {error.msg}.") from None
         self.paths: list[str] = []
         self._times: list[float] = []
+        try:
+            self._tree = ast.parse(self.text, mode="eval").body
+            _require_flat(self._tree)
+        except SyntaxError as error:
+            raise CurveboundError(f"The metric {text!r} is no expression: {error.msg}.") from None
+        except (RecursionError, MemoryError):  # what the parser raises depends on its version
+            raise CurveboundError(
+                f"The metric {text[:40]!r}... is nested too deeply: write it shorter."
+            ) from None
         self._check(self._tree)
         if self._is_series(self._tree):
             raise CurveboundError(
@@ -184,6 +190,16 @@ def _inside(time: Any, start: float, stop: float) -> Any:
     """Whether times are a run's, rounding allowed for."""
     slack = 1e-9 * (stop - start)
     return (np.asarray(time) >= start - slack) & (np.asarray(time) <= stop + slack)
+
+
+def _require_flat(tree: ast.AST) -> None:
+    """RecursionError for what is nested deeper than walks over it by recursion can go."""
+    level = [tree]
+    for _ in range(_DEEPEST):
+        level = [child for node in level for child in ast.iter_child_nodes(node)]
+        if not level:
+            return
+    raise RecursionError
 
 
 def _is_constant(node: ast.AST) -> bool:
