@@ -85,6 +85,10 @@ def stated(**more: Any) -> Callable[[], Mechanics]:
         (stated(potential=K * T), "t in the potential, .*is no symbol of this system"),
         (stated(potential=K * U.rate**2), "bead.u_rate in the potential.*is a rate.*use couples"),
         (stated(potential=U * input_("pull")), "pull in the potential.*is an input.*use couples"),
+        (stated(masses=[mass("bead", U, sympy.gamma(U))]), r"gamma\(bead.u\) in the position y"),
+        (stated(potential=sympy.Max(U, 0)), r"Max\(0, bead.u\) in the pot.* has no.*use powers"),
+        (stated(couples={U: sympy.Integral(K, (K, 0, U))}), "Integral.* in the couple on bead.u"),
+        (stated(constraint=1), r"constraint=1 is none: make it with Constraint\("),
         # inertia
         (stated(masses=[mass("bead", K, 1)]), "coordinate bead.u moves no mass"),
         (stated(masses=[mass("bead", (U + K) * (U - K) - U**2, 1)]), "bead.u moves no mass"),

@@ -11,8 +11,9 @@ import sympy
 from sympy import Expr, Symbol
 
 from ..naming import RULE, is_variable_name
-from .elements import Coordinate, Drag, Input, Mass, Parameter, Rate, Reaction, Shape
+from .elements import Constraint, Coordinate, Drag, Input, Mass, Parameter, Rate, Reaction, Shape
 from .inertia import without_inertia
+from .source import Printer
 
 if TYPE_CHECKING:
     from .statement import Mechanics
@@ -21,6 +22,9 @@ __all__ = ["check", "planar"]
 
 #: symbols of derivations
 _RESERVED = {f"{what}.{axis}" for what in ("field", "position", "velocity") for axis in "xy"}
+#: what generated code computes: this, and these functions
+_PLAIN = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
+_FUNCTIONS = (*Printer.FUNCTIONS, "sign")
 _INFINITE = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 
@@ -68,6 +72,8 @@ def _parts(m: Mechanics) -> None:
         _dictionary(field, getattr(m, field))
     if m.linear_about is not None:
         _dictionary("linear_about", m.linear_about)
+    if m.constraint is not None and not isinstance(m.constraint, Constraint):
+        raise ValueError(f"constraint={m.constraint!r} is none: make it with Constraint(...)")
     if not 1 <= len(m.coordinates) <= 2:
         raise ValueError(
             f"coordinates=[{_listed(m.coordinates)}] are {len(m.coordinates)}: state one or two, "
@@ -204,6 +210,12 @@ def _symbols(one: _Stated) -> list[Symbol]:
             f"{one.what} is {one.expression!r}: give one finite real expression of coordinates "
             "and parameters"
         )
+    for part in sympy.preorder_traversal(found):
+        if not isinstance(part, _PLAIN) and type(part).__name__ not in _FUNCTIONS:
+            raise ValueError(
+                f"{part} in {one.what} has no equations that could be written down: use powers, "
+                f"sqrt, {', '.join(_FUNCTIONS)}"
+            )
     return sorted(found.free_symbols, key=str)
 
 
