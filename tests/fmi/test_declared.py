@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -241,3 +242,33 @@ def test_a_mistake_in_a_drawing_is_told(tmp_path: Path, text: str, said: str) ->
     (own.path / "drawing.py").write_text(text)
     with pytest.raises(CurveboundError, match=said):
         own.drawing()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            'output("bead.x", "m",',
+            'parameter("bead.x", "m", 0.0,',
+            r"declares bead\.y where the outputs of kernel\.py have bead\.x: declare them in its",
+        ),
+        ('input_("wire.ax"', 'input_("wire.az"', r"declares wire\.az where the inputs .* wire\.ax"),
+        (
+            'parameter("bead.damping"',
+            'parameter("bead.drag"',
+            r"kernel\.py reads bead\.damping, which .*fmu\.py does not declare; did you mean",
+        ),
+    ],
+)
+def test_a_kernel_by_hand_has_the_declared_variables(
+    tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    own = tmp_path / "bead_on_wire"
+    shutil.copytree(find("BeadOnWire").path, own, ignore=shutil.ignore_patterns("__pycache__"))
+    text = (own / "fmu.py").read_text(encoding="utf-8")
+    assert old in text
+    head, _ = text.replace(old, new).split("    reference_inputs=")
+    (own / "fmu.py").write_text(f"{head})\n", encoding="utf-8")
+    with pytest.raises(CurveboundError, match=said) as caught:
+        Folder(own).fmu()
+    assert len(str(caught.value).replace(str(own), "")) < 260

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Callable
+from itertools import zip_longest
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import CurveboundError, nearest
 from ..naming import RULE, is_variable_name
@@ -20,7 +23,10 @@ from .declaration import (
     Variable,
 )
 
-__all__ = ["HOW", "check_names", "check_starts", "check_variables"]
+if TYPE_CHECKING:
+    from ..kernel.base import Model
+
+__all__ = ["HOW", "check_kernel", "check_names", "check_starts", "check_variables"]
 
 #: how a variable of each kind is declared
 HOW = {
@@ -112,3 +118,32 @@ def check_names(fmu: Fmu, where: Path) -> None:
                 f"{where}: ranges names {name!r}, which is no variable; "
                 + nearest(name, sorted(known))
             )
+
+
+def check_kernel(fmu: Fmu, factory: Callable[[dict[str, int]], Model], where: Path) -> None:
+    """Raise CurveboundError where a kernel by hand does not have the variables that are declared.
+
+    factory: gives the model of the choices, by number.
+    """
+    reals = {v.name: float(v.start) for v in fmu.variables if v.kind in (PARAMETER, INPUT)}
+    whole = (CHOICE, COUNT_PARAMETER)
+    choices = {v.name: int(v.start) for v in fmu.variables if v.kind in whole}
+    try:
+        model = factory(choices)
+        model.start(reals, choices)
+    except KeyError as error:
+        missing = str(error.args[0])
+        raise CurveboundError(
+            f"kernel.py reads {missing}, which {where} does not declare; "
+            + nearest(missing, sorted({*reals, *choices}))
+        ) from error
+    except (ValueError, ArithmeticError):
+        return  # the FMU tells of such start values itself
+    for kind, own in ((INPUT, model.INPUTS), (OUTPUT, model.OUTPUTS)):
+        declared = [v.name for v in fmu.variables if v.kind == kind]
+        for a, b in zip_longest(declared, own):
+            if a != b:
+                raise CurveboundError(
+                    f"{where} declares {a or 'no further one'} where the {kind}s of kernel.py have "
+                    f"{b or 'no further one'}: declare them in its order, each once"
+                )

@@ -26,7 +26,7 @@ from ..mechanics.derive import derive
 from ..mechanics.derived import Derived
 from ..places import fmus_directory
 from .declaration import Fmu
-from .declared import check_names, check_starts, check_variables
+from .declared import check_kernel, check_names, check_starts, check_variables
 from .drawing import FRAME, Drawing, Point, complete, known, mass_arrows
 from .implied import complete_variables, left_open
 from .sketch import Sketch
@@ -144,7 +144,12 @@ class Folder:
 
     def fmu(self) -> Fmu:
         """The declaration, FMU in fmu.py, with all variables and the system that runs."""
-        return self.declaration()._replace(system=self._system())
+        fmu = self.declaration()
+        system = self._system()
+        model = getattr(self.module("kernel"), "model", None)
+        if self.has("kernel") and model is not None:
+            check_kernel(fmu, model, self.path / "fmu.py")
+        return fmu._replace(system=system)
 
     def declaration(self) -> Fmu:
         """The same, without the system."""
