@@ -79,3 +79,11 @@ def test_names_and_what_cannot_be_changed(mass_fmu: Path) -> None:
     scene = Scene("s", stop_time=1.0, step=0.1).add("other", mass_fmu)
     with pytest.raises(CurveboundError, match="FMU files only"):
         specialised(scene)
+
+
+def test_a_start_value_outside_its_domain_is_no_default() -> None:
+    scene = Scene("heavy", stop_time=0.1, step=0.01)
+    scene.add("body", "BeadOnWire", {"bead.mass": -1.0})
+    (system,) = specialised(scene)
+    with pytest.raises(CurveboundError, match=r"HeavyBody.*bead\.mass starts at -1\.0, .*above 0"):
+        system.fmu()

@@ -83,8 +83,8 @@ def _check_fields(v: Variable, where: Path) -> None:
             raise CurveboundError(f"{where}, unit of {v.name}: {error}") from error
 
 
-def check_starts(fmu: Fmu, where: Path) -> None:
-    """Raise CurveboundError for a start value outside its variable's domain."""
+def check_starts(fmu: Fmu, where: Path | str) -> None:
+    """Raise CurveboundError for a start value outside its variable's domain, given at `where`."""
     for v in fmu.variables:
         least = -math.inf if v.minimum is None else v.minimum
         if not math.isfinite(v.start) or v.start < least or (v.above and v.start == least):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .declaration import CHOICE, COUNT_PARAMETER, PARAMETER, Fmu, Variable
+from .declared import check_starts
 from .folder import Folder
 
 __all__ = ["Specialised"]
@@ -32,10 +33,10 @@ class Specialised(Folder):
         return self.fmu_name
 
     def declaration(self) -> Fmu:
-        """The system's, changed."""
+        """The system's, changed; CurveboundError for a start value outside its domain."""
         fmu = super().declaration()
         given = dict(self.start)
-        return fmu._replace(
+        made = fmu._replace(
             name=self.fmu_name,
             variables=tuple(_started(v, given) for v in fmu.variables),
             stop_time=self.stop_time,
@@ -43,6 +44,8 @@ class Specialised(Folder):
             reference_inputs={},
             shown=self.shown,
         )
+        check_starts(made, f"{self.fmu_name}, with the start values of its scene")
+        return made
 
     def statement(self) -> dict[str, bytes]:
         """Nothing."""
