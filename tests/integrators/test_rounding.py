@@ -54,6 +54,35 @@ def test_near_the_inverted_rest(a: float, off: float, mass: float, tolerance: fl
         assert method.doubt() > tolerance
 
 
+@pytest.mark.parametrize("damping", [0.5, 1.0, 5.0])
+@pytest.mark.parametrize(
+    ("fmu", "name"), [("BeadOnWire", "bead"), ("ParabolaPendulum", "pendulum")]
+)
+def test_a_motion_lost_in_the_last_digit_of_the_angle_is_told(
+    fmu: str, name: str, damping: float
+) -> None:
+    """The float pi is 1.2e-16 off the top: the rate settles where a step no longer moves the angle.
+
+    The exact motion falls down within these 20 s (pendulum: leaves, at least).
+    """
+    values: dict[str, float] = {f"{name}.angle_start": math.pi, f"{name}.damping": damping}
+    if name == "bead":
+        values["model.formulation"] = 2
+    model = KERNEL.system(fmu, values | ({} if name == "bead" else {"slider.u_start": 0.0}))
+    method = run(model, 20.0, 0.1, 1e-6)
+    assert max(method.doubt(), method.loss()) > 1e-6
+
+
+@pytest.mark.parametrize("damping", [1.0, 5.0])
+def test_what_rests_where_rest_is_stable_is_not_doubted(damping: float) -> None:
+    """Settled at the bottom until its rate no longer moves the angle."""
+    values: dict[str, float] = {"bead.angle_start": 0.1, "bead.damping": damping}
+    model = KERNEL.system("BeadOnWire", values | {"model.formulation": 2, "gravity.x": 1.0})
+    method = run(model, 200.0, 1.0, 1e-9)
+    assert math.tan(model.q0) == pytest.approx(1.0 / 9.81, rel=1e-9)
+    assert max(method.doubt(), method.loss()) < 1e-9
+
+
 @pytest.mark.parametrize("damping", [(10.0, 0.1), (0.1, 10.0), (10.0, 10.0)])
 def test_settled_upside_down(damping: tuple[float, float]) -> None:
     """In gravity that points up: 11.5 million steps for the 1000 s."""
