@@ -23,6 +23,7 @@ from curvebound.study.reference.reference_set import judge
 from curvebound.study.settings import Setting, space_of
 from curvebound.study.tune.candidate import Candidate
 from curvebound.study.tune.ensemble import Ensemble
+from curvebound.study.tune.macro_search import MacroSearch
 from curvebound.study.tune.step_search import coarser, search_size
 from curvebound.study.tune.tuner import Tuner
 
@@ -473,3 +474,17 @@ def test_an_error_is_judged_as_long_as_the_reference_is_a_hundred_times_surer() 
     assert (unknown.worst, unknown.final, unknown.until) == (4.0, 1.0, 10.0)
     assert not unknown.judged
     assert judge(times, np.where(times > 5, np.nan, 0.0), np.zeros(11)).worst == math.inf
+
+
+def test_one_slow_timing_does_not_decide_between_couplings() -> None:
+    """Held values cost 3, slopes 1: but for the first run, which was disturbed."""
+    held, sloped = (replace(family("adaptive"), hold=hold) for hold in ("zero", "first"))
+    timings = {"zero": iter((3.0, 3.1)), "first": iter((1.1, 1.0))}
+    ensemble: Any = SimpleNamespace(
+        one=lambda setting, _: candidate(setting, 0.4, next(timings[setting.hold]))
+    )
+    none: Any = None
+    search = MacroSearch(none, none, ensemble, step=0.1, sampled=True, dearest=math.inf)
+    options = [candidate(held, 0.4, 3.2), candidate(sloped, 0.4, 9.0)]
+    assert search._cheapest(options, {}) == sloped
+    assert search._cheapest(options[:1], {}) == held  # nothing to compare with: not run again
