@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from curvebound.kernel.methods import METHODS
 from curvebound.numbers import plain, quantity
 
 __all__ = ["BLOCKS", "DOCUMENTS", "block", "blocks_in", "put"]
@@ -83,12 +84,15 @@ def _costs(system: str) -> Callable[[Data], str]:
     def render(data: Data) -> str:
         levels = "".join(f'<th class="n">1e-{power}' for power in (4, 6, 8, 10, 12))
         head = f'<div class="scroll"><table><tr><th>method{levels}</tr>\n'
+        table = data["costs"][system]
         rows = [
             f"<tr><td>{method}"
-            + "".join('<td class="n">' + ("&ndash;" if x is None else plain(x)) for x in costs)
+            + "".join(
+                '<td class="n">' + ("&ndash;" if x is None else plain(x)) for x in table[method]
+            )
             + "</tr>\n"
-            for method, costs in data["costs"][system].items()
-            if any(x is not None for x in costs)
+            for method in METHODS
+            if any(x is not None for x in table.get(method, ()))
         ]
         return f"{head}{''.join(rows)}</table></div>\n"
 
