@@ -136,14 +136,14 @@ def costs(table: str) -> dict[str, list[float]]:
     }
 
 
-@pytest.mark.parametrize(("name", "first"), [("bead_on_wire", 1), ("parabola_pendulum", 0)])
-def test_adaptive_is_the_cheapest_where_the_documentation_says(name, first):
+@pytest.mark.parametrize("name", ["bead_on_wire", "parabola_pendulum"])
+def test_adaptive_is_the_cheapest_where_the_documentation_says(name):
     text = (fmus_directory() / name / "documentation.html").read_text(encoding="utf-8")
     tables = re.findall(r"(?s)<table>.*?</table>", text)
     assert tables
     for table in tables:
         found = costs(table)
-        for column in range(first, 5):
+        for column in range(1, 5):  # from 1e-6 on
             best = min(found, key=lambda method: found[method][column])
             assert best == "adaptive", (column, found)
         assert 1.5 < found["adaptive"][4] / found["adaptive"][0] < 3.0
