@@ -9,6 +9,7 @@ from ..numbers import quantity
 from .capabilities import located
 from .fmu import Value, Variable, read_fmu
 from .scene_data import SceneData
+from .system import port_of
 
 __all__ = ["Difference", "differences", "own_label"]
 
@@ -60,7 +61,7 @@ def _settings(scene: SceneData) -> dict[str, Value]:
 
 
 def _variable(scene: SceneData, path: str) -> Variable | None:
-    name, _, variable = path.partition(".")
+    name, variable = port_of(path)
     component = scene.components.get(name)
     if component is None:
         return None

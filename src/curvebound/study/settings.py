@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from ..cosim.system import port_of
 from ..errors import CurveboundError
 from ..kernel.methods import METHODS, create
 from ..numbers import plain, quantity
@@ -151,7 +152,7 @@ class Space:
         """Enumeration values that make out the model that a setting computes."""
         changed: dict[str, str] = {}
         for path, item in setting.structure:
-            name, _, variable = path.partition(".")
+            name, variable = port_of(path)
             entries = system_of(self.system.nodes[name].fmu).approximate
             if any(variable == of for of, _ in entries):
                 changed[path] = item

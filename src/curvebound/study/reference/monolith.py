@@ -80,13 +80,10 @@ class Monolith:
         self.held: dict[Port, Array] = {}
         self.history: list[tuple[float, dict[Port, Array]]] = []
         self._constants: dict[Port, Array] = {}
+        changed = {port_of(path): value for path, value in (changes or {}).items()}
         at = 0
         for name, node in system.nodes.items():
-            own = {
-                path.partition(".")[2]: value
-                for path, value in (changes or {}).items()
-                if path.partition(".")[0] == name
-            }
+            own = {variable: value for (of, variable), value in changed.items() if of == name}
             equations = equations_of(node, own)
             second = system_of(node.fmu).witness if witness else None
             form = second(equations) if second is not None else None

@@ -15,6 +15,7 @@ from ...cosim.fmu import Value
 from ...cosim.prepared import Prepared
 from ...cosim.results import Result, RunFailed
 from ...cosim.scene import Scene
+from ...cosim.system import port_of
 from ...errors import CurveboundError, nearest
 from ..reference.equations import system_of
 from ..reference.motion import Motion
@@ -65,7 +66,7 @@ class Probe:
 
     def __init__(self, scene: Scene, path: str, *, accuracy: float) -> None:
         scene = scene.copy()
-        name, _, self.variable = path.partition(".")
+        name, self.variable = port_of(path)
         system = scene.check()
         plants = {k: n for k, n in system.nodes.items() if "solver.method" in n.fmu.variables}
         node = plants.get(name)
@@ -97,7 +98,7 @@ class Probe:
             carried = None  # an FMU of another house: judged by what the scene needs
         main = carried.main if carried is not None else ()
         self.derived = carried.derived if carried is not None else None
-        wanted = [p.partition(".")[2] for p in scene.needs.errors if p.partition(".")[0] == name]
+        wanted = [v for of, v in map(port_of, scene.needs.errors) if of == name]
         self.judged = [f"{name}.{v}" for v in (main or wanted)]
         if not self.judged:
             raise CurveboundError(f"The scene {scene.name} does not say which outputs it needs.")

@@ -13,6 +13,7 @@ from typing import Any
 from ... import __version__
 from ...cosim.fmu import Value
 from ...cosim.scene import Scene
+from ...cosim.system import port_of
 from ...errors import CurveboundError, nearest
 from ...files import sole_writer
 from ..identity import identity
@@ -88,7 +89,7 @@ class Sweep:
         self.scene = self.task.scene()
         system = self.scene.check()
         for one in design.axes:
-            name, _, variable = one.path.partition(".")
+            name, variable = port_of(one.path)
             node = system.nodes.get(name)
             known = [v.name for v in node.fmu.variables.values() if v.is_settable_start] if (
                 node is not None
