@@ -124,9 +124,8 @@ def test_a_run_that_builds_first_says_so(
         return interpreted_fmus / f"{folder.name}.fmu"
 
     monkeypatch.setattr(cached, "cached_fmu", slowly)
-    capabilities._built.cache_clear()
+    monkeypatch.setattr(capabilities, "_BUILT", {})
     assert main(["run", "bead_on_wire", "--stop", "0.01"]) == 0
-    capabilities._built.cache_clear()
     assert lines[0].startswith("building BeadOnWire, after")
     building = [line.startswith("building") for line in lines]
     assert building == sorted(building, reverse=True)  # the run is not told of before it began

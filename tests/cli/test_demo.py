@@ -32,7 +32,8 @@ def test_demo_runs_what_it_built(
 
     monkeypatch.setattr("curvebound.cosim.scene_names", lambda: ["absent", "pendulum_small"])
     monkeypatch.setattr("curvebound.cosim.load_scene", load)
-    monkeypatch.setattr("curvebound.cosim.capabilities._built", refuse)
+    monkeypatch.setattr("curvebound.cosim.capabilities._BUILT", {})
+    monkeypatch.setattr("curvebound.cosim.capabilities._build", refuse)
     assert main(["demo", "--no-compile", "--json", "--out", str(tmp_path)]) == 1
     heard = capsys.readouterr()
     said = " ".join(heard.err.split())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -82,8 +81,9 @@ def stops(
     ]
 
 
-#: systems that were built, or found built, in this process
-_SEEN: set[Folder] = set()
+#: the FMUs of systems that were built, or found built, in this process: their sources do not change
+#: under it
+_BUILT: dict[Folder, Path] = {}
 
 
 def has_unbuilt(scene: SceneData) -> bool:
@@ -95,7 +95,7 @@ def has_unbuilt(scene: SceneData) -> bool:
         if Path(component.source).suffix.lower() != ".fmu":
             with suppress(CurveboundError):  # what cannot be found is told where it is located
                 system = find(component.source, scene.folder)
-                if system not in _SEEN and system.path.parent != fmus_directory().resolve():
+                if system not in _BUILT and system.path.parent != fmus_directory().resolve():
                     return True
     return False
 
@@ -115,20 +115,16 @@ def located(source: str | Path, folder: Path | None) -> Path:
     path = Path(source)
     if path.suffix.lower() != ".fmu":
         system = find(source, folder)
-        built = _built(system)
-        if not built.is_file():  # the cache was emptied
-            _built.cache_clear()
-            built = _built(system)
-        _SEEN.add(system)
-        return built
+        if system not in _BUILT or not _BUILT[system].is_file():  # the cache may have been emptied
+            _BUILT[system] = _build(system)
+        return _BUILT[system]
     if folder is not None and not path.is_absolute():
         path = folder / path
     return path
 
 
-@functools.cache
-def _built(system: Folder) -> Path:
-    """The FMU of a system, built; once in a process, as its sources do not change under it."""
+def _build(system: Folder) -> Path:
+    """The FMU of a system."""
     from ..fmi.cached import cached_fmu
 
     with Progress(f"building {system.name}"):
