@@ -188,8 +188,10 @@ class Growth:
         allowed: the error relative to the rates that it was held to.
         """
         one, two = self.stretch0, self.stretch1
-        if (moved0 == 0.0 and model.v0 != 0.0) or (moved1 == 0.0 and model.v1 != 0.0):
-            note_standing(model, rounding, t, moved0, moved1)
+        if moved0 == 0.0 and model.v0 != 0.0:
+            note_standing(model, rounding, t, model.q0, rounding.fast0)
+        if moved1 == 0.0 and model.v1 != 0.0:
+            note_standing(model, rounding, t, model.q1, rounding.fast1)
         size0, size1, fast0, fast1 = rounding.size0, rounding.size1, rounding.fast0, rounding.fast1
         grows0 = one.move(h, moved0, gained0, model.v0, allowed, size0, fast0)
         grows1 = moved1 != 0.0 and two.move(h, moved1, gained1, model.v1, allowed, size1, fast1)
@@ -230,16 +232,13 @@ class Growth:
             self.closer = max(self.closer, (grown / LEAST) * (grown / LEAST))
 
 
-def note_standing(model: Model, rounding: Rounding, t: float, moved0: float, moved1: float) -> None:
-    """Note what rounding makes of a coordinate that has a rate, and yet stays where it is.
+def note_standing(model: Model, rounding: Rounding, t: float, q: float, fast: float) -> None:
+    """Note what rounding makes of a coordinate q that has a rate, and yet stays where it is.
 
-    Where the motion is unstable, what is lost in the last digit would have grown.
+    Where the motion is unstable, what is lost in the last digit would have grown. fast: its fastest
+    rate so far.
     """
-    rate = growth_rate(model, t)
-    if moved0 == 0.0 and model.v0 != 0.0:
-        rounding.note(rate * UNIT_ROUNDOFF * math.fabs(model.q0), rounding.fast0)
-    if moved1 == 0.0 and model.v1 != 0.0:
-        rounding.note(rate * UNIT_ROUNDOFF * math.fabs(model.q1), rounding.fast1)
+    rounding.note(growth_rate(model, t) * UNIT_ROUNDOFF * math.fabs(q), fast)
 
 
 def growth_rate(model: Model, t: float) -> float:
