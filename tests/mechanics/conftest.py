@@ -27,12 +27,13 @@ LONG = ("bead_on_ellipse_by_angle", "pendulum_on_sine")
 DIGITS = 80
 
 
-@pytest.fixture(
-    params=[
-        pytest.param(name, marks=pytest.mark.slow) if name in LONG else name
-        for name in sorted(FOLDERS)
-    ]
-)
+#: the name of each system
+EACH = [
+    pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in sorted(FOLDERS)
+]
+
+
+@pytest.fixture(params=EACH)
 def system(request: pytest.FixtureRequest) -> Derived:
     """Each system in turn."""
     return Folder(FOLDERS[request.param]).derived()

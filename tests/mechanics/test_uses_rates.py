@@ -16,7 +16,7 @@ from curvebound.kernel.adaptive import Adaptive
 from curvebound.kernel.method import DONE
 from curvebound.mechanics.derive import derive
 
-from .conftest import FOLDERS
+from .conftest import EACH, FOLDERS
 
 CHOICES = {
     "model.formulation": (1, 2),
@@ -36,15 +36,7 @@ def factory_of(name: str) -> Factory:
     return module.model  # type: ignore[attr-defined, no-any-return]
 
 
-@pytest.fixture(
-    params=[
-        *BY_HAND,
-        *(
-            pytest.param(name, marks=pytest.mark.slow) if name == "pendulum_on_sine" else name
-            for name in sorted(FOLDERS)
-        ),
-    ]
-)
+@pytest.fixture(params=[*BY_HAND, *EACH])
 def factory(request: pytest.FixtureRequest) -> Factory:
     return factory_of(request.param)
 
