@@ -36,6 +36,8 @@ def _docstrings(text: str) -> set[int]:
 def _found(path: Path) -> Iterator[str]:
     """The lines with a word of a system, docstrings aside."""
     text = path.read_text(encoding="utf-8")
+    if not _WORDS.search(text):
+        return
     told = _docstrings(text) if path.suffix == ".py" else set()
     for number, line in enumerate(text.splitlines(), 1):
         if number not in told and _WORDS.search(line):

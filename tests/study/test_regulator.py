@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
+from scipy.linalg import solve_continuous_lyapunov
 
 from curvebound import linearize
 from curvebound.cosim import load_scene
@@ -26,7 +26,7 @@ def test_upright_has_one_growing_mode() -> None:
 
 
 @pytest.mark.parametrize("angle", [0.0, math.pi])
-@pytest.mark.parametrize("mass", [0.1, pytest.param(10.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("mass", [0.1, 10.0])
 def test_gains_stabilise_and_are_optimal(angle: float, mass: float) -> None:
     model = plant(angle, **{"pendulum.mass": mass, "slider.damping": 0.1})
     row = np.array(list(gains(model).values()))
@@ -34,15 +34,12 @@ def test_gains_stabilise_and_are_optimal(angle: float, mass: float) -> None:
     assert np.max(np.linalg.eigvals(closed).real) < -1e-3
 
     def cost(k: np.ndarray) -> float:
-        """Integral of x.x + u^2 from a fixed start, by Simpson's rule on the closed loop."""
+        """Integral of x.x + u^2 from a fixed start: x.P x with P of Lyapunov's equation."""
         loop = model.A - model.B @ k[None, :]
-        h, n = 0.02, 6000
-        step, state, total = expm(loop * h), np.array([0.1, 0, 0.1, 0, 0, 0]), 0.0
-        for i in range(n + 1):
-            weight = 1 if i in (0, n) else 4 if i % 2 else 2
-            total += weight * (state @ state + (k @ state) ** 2)
-            state = step @ state
-        return total * h / 3
+        assert np.max(np.linalg.eigvals(loop).real) < 0.0
+        found = solve_continuous_lyapunov(loop.T, -np.eye(6) - np.outer(k, k))
+        start = np.array([0.1, 0, 0.1, 0, 0, 0])
+        return float(start @ found @ start)
 
     best = cost(row)
     rng = np.random.default_rng(1)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import math
+import multiprocessing
 import os
 import signal
-import subprocess
 import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,10 +17,10 @@ import numpy as np
 import pytest
 
 from curvebound.errors import CurveboundError
-from curvebound.study.sweep import Design, Metric, Sweep, axis
+from curvebound.study.sweep import Design, Metric, Sweep, axis, local
 from curvebound.study.sweep.cluster import run_on_cluster
 from curvebound.study.sweep.local import _Pool
-from curvebound.study.sweep.task import run_points
+from curvebound.study.sweep.task import Point, Row, Task, run_points
 
 DAMPING = "bead.bead.damping=0:1:{}"
 METRICS = ["final(bead.bead.y)", "max(abs(bead.bead.x))"]
@@ -135,6 +136,18 @@ def test_a_value_that_is_not_finite_is_named() -> None:
             axis(text)
 
 
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Points are run in this process: starting a worker takes most of the time of a short sweep."""
+
+    def run(task: Task, points: Sequence[Point], workers: int) -> Iterator[list[Row]]:
+        for point in points:
+            yield run_points(task, [point])
+
+    monkeypatch.setattr("curvebound.study.sweep.engine.run_locally", run)
+
+
+@pytest.mark.usefixtures("here")
 def test_an_interrupted_sweep_goes_on_and_ends_the_same(tmp_path: Path) -> None:
     whole = sweep(12).run(tmp_path / "whole.csv", workers=1)
     table = rows_of(whole.path)
@@ -157,6 +170,7 @@ def test_the_file_of_another_sweep_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_a_failed_point_is_a_row_with_its_message(tmp_path: Path) -> None:
+    """Of a worker of its own, as every sweep has them."""
     result = sweep(3, "bead.wire.radius=-1:1:{}").run(tmp_path / "a.csv", workers=1)
     rows = rows_of(result.path)[1:]
     assert result.failed == 2
@@ -165,7 +179,18 @@ def test_a_failed_point_is_a_row_with_its_message(tmp_path: Path) -> None:
     assert rows[2][2] != ""
 
 
-def test_a_killed_worker_loses_no_point() -> None:
+@pytest.mark.parametrize("start", ["fork", pytest.param("spawn", marks=pytest.mark.slow)])
+@pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")  # has threads, and forks
+def test_a_killed_worker_loses_no_point(monkeypatch: pytest.MonkeyPatch, start: str) -> None:
+    """Of processes that are forked, which is quicker, where the points need no FMU."""
+    if start == "fork":
+        if sys.platform == "win32":
+            pytest.skip("Windows has no fork")
+        forked = multiprocessing.get_context("fork")
+        monkeypatch.setattr(local.multiprocessing, "get_context", lambda _: forked)
+        monkeypatch.setattr(
+            local, "run_points", lambda _, points: [(n, [1.0, 2.0], "") for n, _ in points]
+        )
     made = sweep(40)
     pool = _Pool(made.task, [(i, made.design[i]) for i in range(40)], 2)
     found: list[int] = []
@@ -184,6 +209,7 @@ def test_a_killed_worker_loses_no_point() -> None:
     assert sorted(found) == list(range(40))
 
 
+@pytest.mark.usefixtures("here")
 def test_parquet_holds_the_same_and_is_not_overwritten(tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     vary = "bead.wire.radius=-1:1:{}"
@@ -201,7 +227,7 @@ def test_parquet_holds_the_same_and_is_not_overwritten(tmp_path: Path) -> None:
         sweep(3, vary).run(tmp_path / "a.parquet", workers=1)
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("here")
 def test_an_interrupted_parquet_goes_on(tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     out = tmp_path / "a.parquet"
@@ -284,33 +310,24 @@ def test_a_killed_worker_of_a_cluster_loses_no_point(tmp_path: Path) -> None:
     assert alone.path.read_bytes() == result.path.read_bytes()
 
 
+@pytest.mark.usefixtures("here")
 def test_a_second_sweep_into_one_file_is_refused(tmp_path: Path) -> None:
     out = tmp_path / "a.csv"
     refused: list[str] = []
 
     def second(done: int, count: int, failed: int) -> None:
         if done and not refused:
-            script = (
-                "import sys; from pathlib import Path\n"
-                "from curvebound.errors import CurveboundError\n"
-                "from curvebound.study.sweep import Design, Sweep, axis\n"
-                f"sweep = Sweep('bead_on_wire', Design([axis({DAMPING.format(6)!r})]), {METRICS!r},"
-                " changes={'stop_time': 1.0})\n"
-                "try:\n"
-                "    sweep.run(Path(sys.argv[1]), workers=1)\n"
-                "except CurveboundError as error:\n"
-                "    print(error)\n"
-            )
-            call = [sys.executable, "-c", script, str(out)]
-            done_too = subprocess.run(call, capture_output=True, text=True, check=True)
-            refused.append(done_too.stdout)
+            with pytest.raises(CurveboundError) as caught:
+                sweep().run(out, workers=1)
+            refused.append(str(caught.value))
 
     result = sweep().run(out, workers=1, progress=second)
     assert f"is being written by process {os.getpid()}" in refused[0]
     assert result.points == len(rows_of(out)) - 1 == 6
 
 
-@pytest.mark.parametrize("loss", ["a row", pytest.param("the file", marks=pytest.mark.slow)])
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("loss", ["a row", "the file"])
 def test_rows_that_others_have_lost_are_missed(tmp_path: Path, loss: str) -> None:
     out = tmp_path / "a.csv"
 
