@@ -33,8 +33,8 @@ def error(result):
 @pytest.mark.parametrize(
     ("algorithm", "tolerances", "most_steps"),
     [
-        ("jacobi", [1.0, 0.3, 0.1, 0.03], 6000),
-        ("gauss_seidel", [1.0, 0.3, 0.1, 0.03], 6000),
+        ("jacobi", [1.0, 0.3, 0.1], 2000),
+        ("gauss_seidel", [1.0, 0.3, 0.1], 2000),
         ("strang", [0.3, 0.1, 0.03, 0.01, 0.003], 500),
     ],
 )
@@ -62,7 +62,7 @@ def test_it_ends_at_the_stop_time_and_never_below_its_bound(two_masses):
 
 
 def test_two_runs_give_the_same_bits(two_masses):
-    scene = symmetric(two_masses, 0.1, "gauss_seidel")
+    scene = symmetric(two_masses, 0.3, "gauss_seidel")
     with scene.prepare() as prepared:
         first, second = prepared.run(), prepared.run()
     assert np.array_equal(first.data, second.data)
@@ -142,7 +142,7 @@ def fed_back(mass_fmu, feedback_fmu, tolerance, algorithm):
 
 
 def test_direct_feedback_is_of_second_order_with_midpoint(mass_fmu, feedback_fmu):
-    errors, steps, tolerances = [], [], [1e-2, 1e-3, 1e-4, 1e-5]
+    errors, steps, tolerances = [], [], [1e-2, 1e-3, 1e-4]
     for tolerance in tolerances:
         result = fed_back(mass_fmu, feedback_fmu, tolerance, "midpoint").run()
         errors.append(np.max(np.abs(result["one.x"] - np.cos(math.sqrt(5.0) * result.time))))
@@ -150,13 +150,13 @@ def test_direct_feedback_is_of_second_order_with_midpoint(mass_fmu, feedback_fmu
         assert errors[-1] < 10.0 * tolerance  # the bound is per second, and these are ten
         assert not any("Direct feedback" in note or "lower bound" in note for note in result.notes)
     assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] > 0.8
-    assert steps[-1] < 20000
-    assert steps[-1] < 60 * steps[0]
+    assert steps[-1] < 6000
+    assert steps[-1] < 15 * steps[0]
 
 
 def test_first_order_in_direct_feedback_says_so(mass_fmu, feedback_fmu):
     scene = fed_back(mass_fmu, feedback_fmu, 1e-7, "gauss_seidel")
-    scene.stop_time = 0.05
+    scene.stop_time = 0.01
     notes = scene.run().notes
     assert any(n.startswith("Direct feedback around gain, one is of first order") for n in notes)
     assert any("lower bound" in n and "times as large" in n for n in notes)

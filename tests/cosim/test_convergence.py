@@ -12,12 +12,12 @@ from curvebound.cosim.scene_parts import ALGORITHMS
 from curvebound.errors import CurveboundError
 
 TWO_PI = 2.0 * math.pi
-#: largest errors at H = 0.04 and 1/6400, as measured: a change of either is one of the algorithm
+#: largest errors at H = 0.04 and 1/1600, as measured: a change of either is one of the algorithm
 ERRORS = {
-    "jacobi": (1.93, 6.2e-3),
-    "gauss_seidel": (0.412, 1.65e-3),
-    "strang": (5.29e-2, 8.2e-7),
-    "midpoint": (6.46e-2, 8.09e-7),
+    "jacobi": (1.93, 2.47e-2),
+    "gauss_seidel": (0.412, 6.54e-3),
+    "strang": (5.29e-2, 1.296e-5),
+    "midpoint": (6.46e-2, 1.288e-5),
 }
 
 
@@ -41,6 +41,10 @@ def stiff(two_masses, step, **settings):
     return two_masses((10.0, 1000.0), 100.0, (0.0, 0.0), (100.0, -100.0), 10.0, step, **settings)
 
 
+def stiff_error(result):
+    return max(abs(result["one.x"][-1] + 4.46079749), abs(result["two.x"][-1] + 0.96493284))
+
+
 def energy(result):
     x1, x2, v1, v2 = (result[name] for name in ("one.x", "two.x", "one.v", "two.v"))
     return 0.5 * (v1**2 + v2**2 + 10.0 * x1**2 + 1000.0 * x2**2 + 100.0 * (x1 - x2) ** 2)
@@ -49,7 +53,7 @@ def energy(result):
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_fitted_order(two_masses, algorithm):
     first, last = ERRORS[algorithm]
-    steps = [1.0 / (25 * 2**i) for i in range(9)]
+    steps = [1.0 / (25 * 2**i) for i in range(7)]
     errors = []
     for step in steps:
         result = symmetric(two_masses, step, algorithm=algorithm).run()
@@ -62,9 +66,15 @@ def test_fitted_order(two_masses, algorithm):
     assert errors[-1] == pytest.approx(last, rel=0.02)
 
 
+def at_a_millisecond(two_masses, algorithm, found={}):  # noqa: B006
+    """The stiff case, run once for all tests."""
+    if algorithm not in found:
+        found[algorithm] = stiff(two_masses, 1e-3, algorithm=algorithm).run()
+    return found[algorithm]
+
+
 def test_gauss_seidel_keeps_the_energy_and_jacobi_does_not(two_masses):
-    kept = stiff(two_masses, 1e-3).run()
-    lost = stiff(two_masses, 1e-3, algorithm="jacobi").run()
+    kept, lost = (at_a_millisecond(two_masses, name) for name in ("gauss_seidel", "jacobi"))
     # The coupled map of Gauss-Seidel is conjugate to a symplectic one: its energy error stays.
     assert np.max(np.abs(energy(kept) - 10000.0)) < 1.0
     assert energy(kept)[-1] == pytest.approx(10000.0, abs=1e-6)
@@ -75,12 +85,11 @@ def test_gauss_seidel_keeps_the_energy_and_jacobi_does_not(two_masses):
     ("algorithm", "bound"), [("gauss_seidel", 1e-3), ("jacobi", 0.3), ("strang", 1e-3)]
 )
 def test_stiff_case_reaches_its_reference(two_masses, algorithm, bound):
-    result = stiff(two_masses, 1e-3, algorithm=algorithm).run()
-    error = max(abs(result["one.x"][-1] + 4.46079749), abs(result["two.x"][-1] + 0.96493284))
-    assert error < bound
+    result = at_a_millisecond(two_masses, algorithm)
+    assert stiff_error(result) < bound
     if algorithm == "strang":
-        finer = stiff(two_masses, 2.5e-4, algorithm=algorithm).run()
-        assert abs(finer["one.x"][-1] + 4.46079749) < error / 10.0
+        coarser = stiff(two_masses, 2e-3, algorithm=algorithm).run()
+        assert stiff_error(coarser) / stiff_error(result) == pytest.approx(4.0, rel=0.05)
 
 
 def test_initial_point_is_recorded_and_times_are_multiples(two_masses):

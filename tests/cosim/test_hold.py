@@ -14,7 +14,7 @@ from curvebound.cosim.ssp import write_ssp
 from curvebound.errors import CurveboundError
 from curvebound.study.reference.reference import refer
 
-STEPS = [0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125]
+STEPS = [0.04, 0.02, 0.01, 0.005, 0.0025]
 OMEGA = 2.0 * math.sqrt(9.81)
 
 
@@ -123,7 +123,7 @@ def test_a_function_that_jumps_within_a_step_is_not_overshot() -> None:
 
 def chain(step: float, hold: str, algorithm: str = "jacobi", *, jump: bool = False) -> Scene:
     """A bead whose force on its wire pushes another one."""
-    scene = Scene("chain", stop_time=2.0, step=step, hold=hold, algorithm=algorithm)
+    scene = Scene("chain", stop_time=1.5, step=step, hold=hold, algorithm=algorithm)
     start = {"model.formulation": "angle", "solver.method": "adaptive", "solver.tolerance": 1e-11}
     scene.add("one", "BeadOnWire", {**start, "bead.angle_start": 1.0})
     scene.add("two", "BeadOnWire", start)
@@ -138,7 +138,7 @@ def chain(step: float, hold: str, algorithm: str = "jacobi", *, jump: bool = Fal
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss_seidel"])
 def test_connections_follow_the_derivative_of_their_source(algorithm: str, jump: bool) -> None:
     """Order 2 instead of 1, across a jump where a step ends too: nothing is carried over it."""
-    true = chain(0.000625, "first", jump=jump).run()["two.bead.angle"][-1]
+    true = chain(0.00125, "first", jump=jump).run()["two.bead.angle"][-1]
     orders = {}
     steps = [0.04, 0.02, 0.01, 0.005]
     for hold in ("zero", "first"):
@@ -175,7 +175,7 @@ def test_feedback_is_of_order_two(name: str, algorithm: str) -> None:
     found: dict[str, list[float]] = {}
     scene = load_scene(name)
     scene.inputs.clear()  # the push: its jumps lie within some of the steps
-    scene.stop_time = 2.0
+    scene.stop_time = 1.0
     scene.algorithm = algorithm
     scene.set("plant.solver.tolerance", 1e-10)
     true = None
@@ -183,7 +183,7 @@ def test_feedback_is_of_order_two(name: str, algorithm: str) -> None:
         scene.hold = hold
         with Prepared(scene) as prepared:
             if true is None:
-                true = prepared.run(step=steps[-1] / 8)["plant.pendulum.angle"][-1]
+                true = prepared.run(step=steps[-1] / 6)["plant.pendulum.angle"][-1]
             ends = [prepared.run(step=h)["plant.pendulum.angle"][-1] for h in steps]
         found[hold] = [abs(end - true) for end in ends]
     orders = {hold: np.polyfit(np.log(steps), np.log(e), 1)[0] for hold, e in found.items()}

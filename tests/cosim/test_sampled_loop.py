@@ -68,9 +68,9 @@ def damping():
 
 @pytest.mark.parametrize("step", [0.01, 0.05])
 def test_gauss_seidel_is_the_sampled_loop(damping, step):
-    count = round(5.0 / step)
+    count = round(2.0 / step)
     scene = damping.copy()
-    scene.step, scene.stop_time = step, 5.0
+    scene.step, scene.stop_time = step, 2.0
     result = scene.run()
     expected = sampled(GAIN, step, count)
     for i, name in enumerate(OUTPUTS):

@@ -184,11 +184,7 @@ def test_command_line(arguments, status, words, capsys):
 
 def test_variants_on_the_command_line(tmp_path):
     words = f"run sampled_feedback --variants --stop 0.5 --out {tmp_path}/s.csv".split()
-    done = subprocess.run(
-        [sys.executable, "-m", "curvebound", *words],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert main(words) == 0
     names = sorted(p.name for p in tmp_path.iterdir())
     assert names == ["s_0.1 s.csv", "s_0.2 s.csv", "s_0.22 s.csv", "s_sampled_feedback.csv"]
 
