@@ -45,7 +45,7 @@ def test_collocation_follows_a_rotation() -> None:
 def test_collocation_stops_at_a_singularity() -> None:
     found = collocation.Trajectory(0.0, np.array([[1.0]], dtype=Number))
     with pytest.raises(CurveboundError, match=r"beyond t = 1 s"):
-        collocation.collocate(lambda t, y: y**2, 0.0, 2.0, found, nodes=8, size=0.1)
+        collocation.collocate(lambda t, y: y**2, 0.0, 2.0, found, nodes=8, size=0.1, dense=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -58,6 +58,7 @@ def short() -> Tuner:
     tuner.close()
 
 
+@pytest.mark.usefixtures("timed_once")
 @pytest.mark.parametrize("bound", [pytest.param(1e-4, marks=pytest.mark.slow), 1e-9])
 def test_the_choice_meets_its_bound_from_fresh_starts(short: Tuner, bound: float) -> None:
     limits = dict.fromkeys(short.paths, bound)
@@ -75,12 +76,13 @@ def test_the_choice_meets_its_bound_from_fresh_starts(short: Tuner, bound: float
         assert max(v.worst for v in verdicts.values()) <= bound
 
 
+@pytest.mark.usefixtures("timed_once")
 def test_a_smooth_drive_is_tuned_to_slopes(tmp_path: Path) -> None:
     """Chosen, written into the script, and the bound met by it against continuous action."""
     script = tmp_path / "pushed.py"
     script.write_text(
         "import math\nfrom curvebound.cosim import Scene\n"
-        'scene = Scene("pushed", stop_time=1.0, step=0.02)\n'
+        'scene = Scene("pushed", stop_time=0.5, step=0.02)\n'
         'scene.add("bead", "BeadOnWire", {"bead.angle_start": 0.3})\n'
         'scene.input("bead.wire.ax", lambda t: 3.0 * math.sin(4.0 * t))\n'
         'scene.record("bead.bead.angle")\n',
@@ -123,6 +125,7 @@ def test_where_nothing_fits_it_says_by_how_much(
     assert choice.advice
 
 
+@pytest.mark.slow  # of costs by known laws in test_choosing.py
 def test_a_budget_that_cannot_be_kept_is_said(short: Tuner) -> None:
     choice = short.tune(dict.fromkeys(short.paths, 1e-6), budget=1e-9)
     assert choice.chosen is not None
@@ -211,9 +214,10 @@ def test_a_choice_is_written_once_and_replaced(short: Tuner, tmp_path: Path) -> 
 
 @pytest.mark.parametrize(
     "methods",
-    [("explicit_euler", "rk4", "adaptive"), pytest.param((), marks=pytest.mark.slow)],
+    [("rk4", "adaptive"), pytest.param((), marks=pytest.mark.slow)],
     ids=["a few", "all"],
 )
+@pytest.mark.usefixtures("timed_once")
 def test_a_study_resumes_and_finds_the_order(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, methods: tuple[str, ...]
 ) -> None:
@@ -254,6 +258,7 @@ def test_a_study_resumes_and_finds_the_order(
     assert len(second.rows) <= sizes
 
 
+@pytest.mark.usefixtures("timed_once")
 def test_rows_at_smaller_starts_are_kept_as_well(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

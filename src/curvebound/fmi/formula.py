@@ -12,6 +12,7 @@ import math
 import operator
 import re
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..errors import CurveboundError
@@ -75,6 +76,7 @@ _AT_ONCE: dict[str, Callable[..., float]] = {
 _OVER_SAMPLES = {"first": 1, "median": 1}
 
 
+@cache
 def parse(text: str, *, samples: bool = False) -> Tree:
     """The tree of a formula in Python's notation.
 

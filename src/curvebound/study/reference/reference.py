@@ -98,6 +98,7 @@ def refer(
     own = Monolith(system, changes, continuous=continuous)
 
     def compute() -> dict[str, Array]:
+        own.observe(paths, np.array([begin]), own.start()[:, None])  # what is unknown, first
         return _compute(own, paths, begin, end, changes, tell)
 
     known = kept(question(system, paths, end, changes, continuous), own, compute)
