@@ -19,7 +19,7 @@ class InputSlopes:
         self.first: int = table.first_input
         self.count: int = min(table.first_output - table.first_input, MOST_INPUTS)
         self.each: Inputs = [0.0] * MOST_INPUTS
-        #: whether any was given
+        #: whether any is not zero
         self.given: bool = False
         #: inputs and slopes at the start of a step
         self.kept_inputs: Inputs = [0.0] * MOST_INPUTS
@@ -29,7 +29,7 @@ class InputSlopes:
         """Let an input have a slope."""
         if vr - self.first < self.count:
             self.each[vr - self.first] = value
-            self.given = True
+            self.given = self.given or value != 0.0
 
     def begin(self, reals: Values, step_size: float) -> int:
         """Remember inputs and slopes; the first input whose slope cannot be used, or NO_SLOPE."""

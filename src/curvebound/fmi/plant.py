@@ -145,7 +145,9 @@ class PlantEngine(DerivativeEngine):
         self.kept = True
         moving = model
         try:
-            if self.slopes.given:
+            if self.slopes.given and method.MOVES:
+                model.begin_rise(self.slopes.each)
+            elif self.slopes.given:
                 moving = self.ramp
                 self.ramp.begin(model, self.slopes.each, duration)
                 if method.ORDER == 0 and self.ramp.varies():
@@ -154,7 +156,9 @@ class PlantEngine(DerivativeEngine):
                     return message
             failure = method.advance(moving, duration, int(count), self.relative, self.max_steps)
             if failure == DONE:
-                if self.slopes.given:
+                if model.rises and method.MOVES:
+                    model.end_rise(duration)
+                elif model.rises:
                     self.ramp.end()
                 else:
                     model.advance_frame(duration)

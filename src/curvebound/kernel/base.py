@@ -14,12 +14,14 @@ import math
 from typing import Annotated, ClassVar, Final
 
 __all__ = [
-    *("MOST_INPUTS", "MOST_VARIABLES", "Inputs", "Model", "Values"),
+    *("ALIKE", "MOST_INPUTS", "MOST_VARIABLES", "Inputs", "Model", "Values"),
     *("acceleration_of", "check_start", "jacobian_of"),
 ]
 
 #: of one model
 MOST_INPUTS: Final = 32
+#: of a communication step, by which times differ that are meant to be the same
+ALIKE: Final = 4e-16
 Inputs = Annotated[list[float], MOST_INPUTS]
 #: of one FMU
 MOST_VARIABLES: Final = 512
@@ -58,6 +60,11 @@ class Model:
         #: the present inputs, in the order of INPUTS, and their slopes: for take_inputs()
         self.inputs: Inputs = [0.0] * MOST_INPUTS
         self.slopes: Inputs = [0.0] * MOST_INPUTS
+        #: whether inputs rise, those at the communication point, and the time (s) since then to
+        #: which move() has brought them
+        self.rises: bool = False
+        self.first: Inputs = [0.0] * MOST_INPUTS
+        self.moved: float = 0.0
         #: J, net work since the start: by drive and inputs, less what damping dissipated
         self.work: float = 0.0
         #: J, energies at the start: by them it is known how much has moved since
@@ -117,10 +124,42 @@ class Model:
 
     def hold_inputs(self) -> None:
         """Take over `inputs`, without slopes."""
+        self.rises = False
         for i in range(self.input_count):
             self.slopes[i] = 0.0
         self.take_inputs()
         self.refresh()
+
+    def begin_rise(self, slopes: Inputs) -> None:
+        """From the communication point on, keep() called, inputs rise by `slopes` (1/s).
+
+        Equations and energies are then asked for time 0, after move() to their time.
+        """
+        for i in range(self.input_count):
+            self.first[i] = self.inputs[i]
+            self.slopes[i] = slopes[i]
+        self.rises = True
+        self.moved = 0.0
+
+    def move(self, t: float) -> None:
+        """Bring inputs and frame to t s after the communication point."""
+        self.moved = t
+        for i in range(self.input_count):
+            self.inputs[i] = self.first[i] + t * self.slopes[i]
+        self.restore_frame()
+        self.take_inputs()
+        self.move_frame(t)
+        self.refresh()
+
+    def end_rise(self, duration: float) -> None:
+        """At the end of a communication step, with the inputs of that time."""
+        if math.fabs(duration - self.moved) > ALIKE * math.fabs(duration):
+            self.move(duration)
+        self.rises = False
+        for i in range(self.input_count):
+            self.slopes[i] = 0.0
+        self.take_inputs()
+        self.advance_frame(0.0)
 
     def take_inputs(self) -> None:
         """Take over `inputs`, and of `slopes` those of the accelerations that move the frame."""

@@ -43,6 +43,8 @@ class Method:
     ORDER: int = 0
     #: whether the internal steps follow from `tolerance` or the method instead of from `count`
     CHOOSES_STEP: bool = False
+    #: whether it moves a model whose inputs rise itself; others need a Ramp in its place
+    MOVES: bool = False
 
     def __init__(self) -> None:
         self.steps: int = 0

@@ -8,16 +8,12 @@ there, they are those of changing inputs: nothing in them needs to know.
 from __future__ import annotations
 
 import math
-from typing import Final
 
-from .base import MOST_INPUTS, Inputs, Model
+from .base import ALIKE, Inputs, Model
 
 __all__ = ["Ramp"]
 
 Rows = list[list[float]]
-
-#: of a communication step
-ALIKE: Final = 4e-16
 
 
 class Ramp(Model):
@@ -26,12 +22,8 @@ class Ramp(Model):
     def __init__(self) -> None:
         super().__init__()
         self.model: Model = Model()
-        #: inputs at the communication point
-        self.first: Inputs = [0.0] * MOST_INPUTS
-        #: s, the communication step, and the time at which the model is
+        #: s, the communication step, and by which times differ that are meant to be the same
         self.duration: float = 0.0
-        self.t: float = 0.0
-        #: s, by which times differ that are meant to be the same
         self.alike: float = 0.0
         #: what the propagator needs, of the start and of the end, while `known`
         self.known: bool = False
@@ -42,9 +34,7 @@ class Ramp(Model):
         """Take a model, its keep() called, for `duration` s with inputs that rise by `slopes`."""
         self.model = model
         self.input_count = model.input_count
-        for i in range(self.input_count):
-            self.first[i] = model.inputs[i]
-            model.slopes[i] = slopes[i]
+        model.begin_rise(slopes)
         self.duration = duration
         self.alike = ALIKE * math.fabs(duration)
         self.known = False
@@ -53,7 +43,7 @@ class Ramp(Model):
         self.is_linear = model.is_linear
         # a bound: of the start, and of where the inputs lead
         magnification = model.magnification
-        self.move(duration)
+        model.move(duration)
         self.magnification = max(magnification, model.magnification)
         self.works = True
         self.settles = model.settles
@@ -63,27 +53,12 @@ class Ramp(Model):
         model = self.model
         self.give_state()
         model.work = self.work
-        self.at(self.duration)
-        for i in range(self.input_count):
-            model.slopes[i] = 0.0
-        model.take_inputs()
-        model.advance_frame(0.0)
+        model.end_rise(self.duration)
 
     def at(self, t: float) -> None:
         """Bring the model's inputs and frame to time t."""
-        if math.fabs(t - self.t) > self.alike:
-            self.move(t)
-
-    def move(self, t: float) -> None:
-        """Do what at() says."""
-        model = self.model
-        self.t = t
-        for i in range(self.input_count):
-            model.inputs[i] = self.first[i] + t * model.slopes[i]
-        model.restore_frame()
-        model.take_inputs()
-        model.move_frame(t)
-        model.refresh()
+        if math.fabs(t - self.model.moved) > self.alike:
+            self.model.move(t)
 
     def take_state(self) -> None:
         """Take the model's state over."""
@@ -99,9 +74,9 @@ class Ramp(Model):
 
     # -- equations ---------------------------------------------------------------------------------
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
-        if math.fabs(t - self.t) > self.alike:
-            self.move(t)
         model = self.model
+        if math.fabs(t - model.moved) > self.alike:
+            model.move(t)
         model.acceleration(0.0, q0, q1, v0, v1)
         self.a0 = model.a0
         self.a1 = model.a1
@@ -109,14 +84,15 @@ class Ramp(Model):
     def power(
         self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
     ) -> float:
-        if math.fabs(t - self.t) > self.alike:
-            self.move(t)
-        return self.model.power(0.0, q0, q1, v0, v1, a0, a1)
+        model = self.model
+        if math.fabs(t - model.moved) > self.alike:
+            model.move(t)
+        return model.power(0.0, q0, q1, v0, v1, a0, a1)
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
-        if math.fabs(t - self.t) > self.alike:
-            self.move(t)
         model = self.model
+        if math.fabs(t - model.moved) > self.alike:
+            model.move(t)
         model.jacobian(0.0, q0, q1, v0, v1)
         self.a0_q0, self.a0_q1, self.a1_q0, self.a1_q1 = (
             model.a0_q0, model.a0_q1, model.a1_q0, model.a1_q1
@@ -198,7 +174,7 @@ class Ramp(Model):
         for i in range(self.input_count):
             for k in range(self.input_count):
                 self.model.slopes[k] = slopes[k] if k == i else 0.0
-            self.move(0.0)
+            self.model.move(0.0)
             self.known = False
             if slopes[i] != 0.0 and self.varies():
                 found.append(f"{names[i]} with its slope of {slopes[i]!r} per s")
