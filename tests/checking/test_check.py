@@ -11,6 +11,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from curvebound.checking import run
+from curvebound.checking.finding import FAILED, PASSED, Finding, Report
 from curvebound.checking.fmu import FmuCheck
 from curvebound.checking.request import Request
 from curvebound.checking.run import check
@@ -29,12 +31,12 @@ def told(path: Path, until: str = "", **request: object) -> dict[str, tuple[str,
     return found
 
 
-def told_apart(path: Path, until: str) -> dict[str, tuple[str, str]]:
+def told_apart(path: Path, until: str, **request: float) -> dict[str, tuple[str, str]]:
     """The same in a process of its own: two FMUs of the same names share modules in one."""
     script = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         "import json, pathlib, test_check\n"
-        f"print(json.dumps(test_check.told(pathlib.Path({str(path)!r}), {until!r})))\n"
+        f"print(json.dumps(test_check.told(pathlib.Path({str(path)!r}), {until!r}, **{request})))\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -82,7 +84,7 @@ def test_ours_with_a_broken_restore(interpreted_fmus: Path, changed: Callable) -
     path = changed(
         interpreted_fmus / "BeadOnWire.fmu", "plant.py", "self.model.set_state(state[0])", "pass"
     )
-    found = told_apart(path, "states")
+    found = told_apart(path, "states", stop=1.0)
     assert failures(found) == ["states"]
     assert "when the state is restored" in found["states"][1]
 
@@ -177,7 +179,7 @@ def test_a_given_reference_with_inputs_and_its_bound(foreign: Make, tmp_path: Pa
     [
         ("CRASH", "simulation", "it ends the process with SIGABRT"),
         pytest.param("HANG", "simulation", "it had not ended after 8 s", marks=pytest.mark.slow),
-        ("RANDOM", "process", "other bits in each process"),
+        pytest.param("RANDOM", "process", "other bits in each process", marks=pytest.mark.slow),
     ],
 )
 def test_what_only_processes_show(fault: str, failed: str, words: str, foreign: Make) -> None:
@@ -187,9 +189,20 @@ def test_what_only_processes_show(fault: str, failed: str, words: str, foreign: 
     assert words in texts[failed]
 
 
+def test_other_bits_of_one_output_in_another_process_are_told(
+    foreign: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sound, other = (FmuCheck(foreign(f), Request()).digest() for f in ("NONE", "EQUATION"))
+    assert sound["v"] != other["v"]
+    digests = iter((sound, {**sound, "v": other["v"]}))
+    monkeypatch.setattr(run, "_worked", lambda *_, **__: ([{"digest": next(digests)}], ""))
+    (finding,) = check("Oscillator.fmu", "FMU", Request()).findings
+    assert finding == Finding("process", FAILED, "v: other bits in each process")
+
+
 SCENE = """
 from curvebound.cosim import Scene
-scene = Scene("coarse", stop_time=5.0, step=0.05, needs={"bead.bead.x": 1e-6})
+scene = Scene("coarse", stop_time=1.0, step=0.05, needs={"bead.bead.x": 1e-6})
 scene.add("bead", "BeadOnWire", {"solver.method": "rk4", "solver.step": 0.05})
 """
 
@@ -204,6 +217,9 @@ def test_json_junit_and_the_status(
     data = json.loads(capsys.readouterr().out)
     assert [one["passed"] for one in data["targets"]] == [True, False]
     assert data["passed"] is False
+    process = data["targets"][0]["findings"][-1]
+    assert (process["check"], process["outcome"]) == ("process", "passed")
+    assert process["text"] == "another process gives the same bits"
     (failed,) = [f for f in data["targets"][1]["findings"] if f["outcome"] == "failed"]
     assert failed["check"] == "needs"
     assert "The error of bead.bead.x reaches" in failed["text"]
@@ -214,10 +230,21 @@ def test_json_junit_and_the_status(
 
 
 def test_a_sound_one_has_status_0_and_none_has_2(
-    foreign: Make, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["check", str(foreign("NONE")), "--max", "x=2"]) == 0
-    assert "another process gives the same bits" in " ".join(capsys.readouterr().out.split())
+    sound = tmp_path / "sound.fmu"
+    sound.touch()
+    asked = []
+
+    def checked(target: str, kind: str, request: Request, **_: object) -> Report:
+        asked.append((target, kind, request))
+        return Report(target, kind, [Finding("process", PASSED, "the same bits")])
+
+    monkeypatch.setattr("curvebound.checking.run.check", checked)
+    assert main(["check", str(sound), "--max", "x=2"]) == 0
+    assert asked == [(str(sound), "FMU", Request(most={"x": 2.0}))]
+    assert "process passed the same bits" in " ".join(capsys.readouterr().out.split())
     assert main(["check", str(tmp_path / "none.fmu")]) == 2
     assert main(["check", "bead_on_wir"]) == 2
     assert "did you mean bead_on_wire" in capsys.readouterr().err
+    assert len(asked) == 1
