@@ -177,8 +177,8 @@ def test_the_largest_number_of_steps(host, bead):
 # -- other people's slaves, which raise, log and give up
 
 
-def acting(odd, act):
-    return [f"seti 0 {odd.vr['act']} {act}", "setup 0 - 0 -", "enter 0", "exit 0"]
+def acting(odd, act, k=0):
+    return [f"seti {k} {odd.vr['act']} {act}", f"setup {k} - 0 -", f"enter {k}", f"exit {k}"]
 
 
 GOOD = ["setup 0 - 0 -", "enter 0", "exit 0", "step 0 0 0.5", "get 0 1"]
@@ -264,21 +264,25 @@ def test_a_slave_that_gives_up_discards_the_step(host, odd):
 
 def test_debug_logging_filters_notes_only(host, odd):
     """Errors and warnings reach the tool whatever it has switched off."""
-    warning = ("i0", "Warning", "logStatusWarning", "mind the %s%n")
-    note = ("i0", "OK", "logAll", "noted in the step at 5 %")
-    own = ("i0", "OK", "mine", "own")
-    for switch, expected in {
-        "debug 0 0": [warning],
-        "debug 0 1": [note, warning, own],
-        "debug 0 1 mine": [warning, own],
-        "debug 0 1 other logAll": [note, warning],
-        "debug 0 0 mine": [warning],
-    }.items():
-        result = host([*odd.start(), switch, *acting(odd, 4), "step 0 0 0.5"])
-        assert [a[0] for a in result.answers] == ["OK"] * 8
-        assert result.messages == expected
-    result = host([*odd.start(logging=1), *acting(odd, 4), "step 0 0 0.5"])
-    assert len(result.messages) == 3
+    warning = ("Warning", "logStatusWarning", "mind the %s%n")
+    note = ("OK", "logAll", "noted in the step at 5 %")
+    own = ("OK", "mine", "own")
+    cases = {
+        "0": [warning],
+        "1": [note, warning, own],
+        "1 mine": [warning, own],
+        "1 other logAll": [note, warning],
+        "0 mine": [warning],
+    }
+    commands = [f"load 0 {odd.binary}"]
+    for k, switch in enumerate(cases):
+        commands += [odd.new(0, k), f"debug {k} {switch}", *acting(odd, 4, k), f"step {k} 0 0.5"]
+    logging = len(cases)
+    commands += [odd.new(0, logging, logging=1), *acting(odd, 4, logging), f"step {logging} 0 0.5"]
+    result = host(commands)
+    assert {a[0] for a in result.answers} == {"OK"}
+    for k, expected in enumerate((*cases.values(), [note, warning, own])):
+        assert [m[1:] for m in result.messages if m[0] == f"i{k}"] == expected
 
 
 def test_strings(host, odd):

@@ -17,7 +17,7 @@ from curvebound.fmi.binaries import compile_sources
 
 pytestmark = pytest.mark.usefixtures("system_python")
 
-SANITIZE = ("-fsanitize=address", "-fno-omit-frame-pointer", "-g", "-O1")
+SANITIZE = ("-fsanitize=address", "-fno-omit-frame-pointer", "-g", "-O0")
 
 
 @pytest.fixture(scope="module")

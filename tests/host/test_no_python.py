@@ -64,12 +64,22 @@ def test_a_process_that_has_only_some_of_pythons_functions(compile_host, bead, t
 
 
 @pytest.mark.usefixtures("system_python")
-def test_a_process_without_memory_for_an_interpreter(host_program, bead):
+@pytest.mark.parametrize(
+    "limits",
+    [
+        (12, 44, 52, 60, 150),
+        pytest.param(
+            (12, 20, 30, 40, 44, 48, 50, 52, 54, 56, 60, 70, 80, 100, 150), marks=pytest.mark.slow
+        ),
+    ],
+    ids=("some", "many"),
+)
+def test_a_process_without_memory_for_an_interpreter(host_program, bead, limits):
     """Whatever the limit of its address space: an instance, or a message with the remedy."""
     commands = [*bead.start(), "setup 0 - 0 -", "enter 0", "exit 0", "step 0 0 0.1"]
     text = "".join(command.replace(" ", "\t") + "\n" for command in commands)
     answers = []
-    for megabytes in (12, 20, 30, 40, 44, 48, 50, 52, 54, 56, 60, 70, 80, 100, 150):
+    for megabytes in limits:
         limit = megabytes << 20
         done = subprocess.run(
             [str(host_program)],
