@@ -203,6 +203,7 @@ def test_names_beside_the_variables_are_checked(tmp_path: Path, more: str, said:
     assert re.search(said, refused(tmp_path, BEND, more))
 
 
+@pytest.mark.usefixtures("short_reference")
 def test_build_tells_what_is_left_open(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     own = system(tmp_path, 'output("track.tilt", "rad", "tilt"),')
     assert own.left_open() == ["track.bend", "track.push"]

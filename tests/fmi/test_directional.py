@@ -56,7 +56,7 @@ def differences(
     return [(4.0 * b - a) / 3.0 for a, b in zip(*found, strict=True)]
 
 
-@pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [50, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("label", CASES)
 def test_against_differences(start: Start, label: str, count: int) -> None:
     """At random states and inputs, along a random seed each time."""

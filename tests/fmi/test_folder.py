@@ -99,12 +99,11 @@ def test_adding_and_editing_a_system_changes_no_other(tmp_path: Path) -> None:
     alone = build(one, tmp_path / "a", compiled=False).path
     other = copy_as("other_loop", tmp_path)
     build(other, tmp_path / "a", compiled=False)
-    assert build(one, tmp_path / "b", compiled=False).path.read_bytes() == alone.read_bytes()
     before = (tmp_path / "a" / "OtherLoop.fmu").read_bytes()
     with (other / "kernel.py").open("a") as file:
         file.write("# edited\n")
-    assert build(one, tmp_path / "c", compiled=False).path.read_bytes() == alone.read_bytes()
-    assert build(other, tmp_path / "c", compiled=False).path.read_bytes() != before
+    assert build(one, tmp_path / "b", compiled=False).path.read_bytes() == alone.read_bytes()
+    assert build(other, tmp_path / "b", compiled=False).path.read_bytes() != before
     with zipfile.ZipFile(alone) as archive:
         assert not [name for name in archive.namelist() if "other" in name.lower()]
 

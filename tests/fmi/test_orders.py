@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
-from harness import Extracted, final, simulated
+from harness import Instance
 from solutions import SOLUTIONS
 
 #: method -> order, counts of internal steps in 1 s, bound of the error times count^order,
@@ -19,21 +21,17 @@ METHODS = {
 
 @pytest.mark.parametrize("label", SOLUTIONS)
 @pytest.mark.parametrize("method", METHODS)
-def test_order(extracted: dict[str, Extracted], method: str, label: str) -> None:
+def test_order(start: Callable[..., Instance], method: str, label: str) -> None:
     solution = SOLUTIONS[label]
     order, counts, bound, least, most = METHODS[method]
     errors = []
     for count in counts:
-        result = simulated(
-            extracted[solution.fmu],
-            {**solution.parameters, "solver.method": method, "solver.step": 1.0 / count},
-            [*solution.names, "solver.steps", "solver.evaluations"],
-            stop_time=1.0,
-            interval=1.0,
-        )
-        errors.append(np.abs(np.subtract(final(result, solution.names), solution.at_1)).max())
+        settings = {"solver.method": method, "solver.step": 1.0 / count}
+        instance = start(solution.fmu, {**solution.parameters, **settings})
+        instance.step(1.0)
+        errors.append(np.abs(np.subtract(instance.get(*solution.names), solution.at_1)).max())
         assert errors[-1] < bound / count**order
-        steps, evaluations = final(result, ["solver.steps", "solver.evaluations"])
+        steps, evaluations = instance.get("solver.steps", "solver.evaluations")
         assert steps == count
         assert least * count <= evaluations <= most * count
     observed = -np.polyfit(np.log(counts), np.log(errors), 1)[0]

@@ -20,7 +20,10 @@ from curvebound.fmi.reference import ReferenceResult, reference_result
 NAMES = ("BeadOnWire", "ParabolaDrive", "ParabolaPendulum")
 
 
-@pytest.fixture(scope="module", params=NAMES)
+@pytest.fixture(
+    scope="module",
+    params=[*NAMES[:2], pytest.param(NAMES[2], marks=pytest.mark.slow)],
+)
 def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_cross_check(request.param, tmp_path_factory.mktemp("cross"))
 

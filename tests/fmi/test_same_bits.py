@@ -90,7 +90,7 @@ def test_same_bits(
         for instance in (one, other):
             instance.start(parameters)
         assert one.bits() == other.bits()
-        for i in range(150):
+        for i in range(50):
             inputs = inputs_at(name, one.time, constant=is_constant)
             size = 0.01 if i % 3 else 0.005 * draw.random()
             for instance in (one, other):
@@ -98,7 +98,7 @@ def test_same_bits(
                 if name != "ParabolaDrive" and i % 2:
                     instance.slope(slopes_at(name, instance.time, constant=is_constant))
                 instance.step(size)
-            if i % 10 == 0:
+            if i % 5 == 0:
                 assert one.bits() == other.bits(), i
         assert one.bits() == other.bits()
         assert one.messages == [m for m in other.messages if "runs interpreted" not in m[1]]

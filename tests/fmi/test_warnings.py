@@ -48,7 +48,7 @@ def test_a_linear_model_beyond_its_range_is_told_once() -> None:
     assert sum("beyond its range" in note for note in notes) == 1
 
 
-@pytest.mark.parametrize("step", [1.0, 10.0])
+@pytest.mark.parametrize("step", [1.0, pytest.param(10.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("method", ["rk4", "adaptive", "implicit"])
 @pytest.mark.parametrize("form", ["angle", "lagrange_multiplier"])
 def test_a_bead_that_damping_stopped_is_no_reason(form: str, method: str, step: float) -> None:

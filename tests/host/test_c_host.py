@@ -263,11 +263,13 @@ def two_builds(tmp_path_factory, unpack):
     root = tmp_path_factory.mktemp("checkout")
     package = copy_sources(root)
     source = declarations(package) / "bead_on_wire" / "base.py"
+    bead = ("BeadOnWire",)
     edits = {
-        "same": (source, "kinetic = 0.5 *", "kinetic = 0.500 *"),
-        "more": (source, "kinetic = 0.500 *", "kinetic = 0.501 *"),  # too little for the warning
+        "same": (source, "kinetic = 0.5 *", "kinetic = 0.500 *", bead),
+        # too little for the warning
+        "more": (source, "kinetic = 0.500 *", "kinetic = 0.501 *", bead),
     }
-    build_edited(package, root, edits, "BeadOnWire")
+    build_edited(package, root, edits)
     return [unpack(root / label / "BeadOnWire.fmu", root / label / "unpacked") for label in edits]
 
 
