@@ -7,7 +7,7 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import pytest
@@ -18,6 +18,8 @@ from curvebound.fmi import compile as kernel
 from curvebound.fmi import documentation
 from curvebound.fmi.build import build
 from curvebound.fmi.compile import why_not
+from curvebound.fmi.folder import find
+from curvebound.fmi.reference import ReferenceResult, reference_result
 from curvebound.locks import locked
 
 SLOW_LIMIT = 1800  # s that a slow test may take
@@ -59,9 +61,16 @@ def shared(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], No
     return folder
 
 
+@cache
+def _reference(name: str) -> ReferenceResult:
+    return reference_result(find(name).fmu())
+
+
 def _built(folder: Path, *, compiled: bool) -> None:
-    for name in NAMES:
-        build(name, folder, compiled=compiled)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(documentation, "reference_result", lambda fmu: _reference(fmu.name))
+        for name in NAMES:
+            build(name, folder, compiled=compiled)
 
 
 @pytest.fixture(autouse=True, scope="module")

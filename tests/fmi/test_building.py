@@ -15,6 +15,7 @@ import pytest
 from interface_table import INTERFACE
 from source_copies import build_edited, build_from, copy_sources, declarations
 
+from curvebound import __date__
 from curvebound.errors import CurveboundError
 from curvebound.fmi import binaries
 from curvebound.fmi.build import _write, build
@@ -40,11 +41,6 @@ def same_files(one: Path, other: Path) -> None:
         assert [n for n in a.namelist() if a.read(n) != b.read(n)] == []
         assert [i.date_time for i in a.infolist()] == [i.date_time for i in b.infolist()]
     assert one.read_bytes() == other.read_bytes()
-
-
-@pytest.fixture
-def undated(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
 
 
 ONE_AND_ALL = ("BeadOnWire", *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[1:]))
@@ -102,11 +98,11 @@ def test_compiling_anew_gives_the_same_bytes(fmus, tmp_path) -> None:
 
 @pytest.mark.usefixtures("short_reference")
 def test_the_date_is_that_of_the_sources_or_of_source_date_epoch(
-    undated, tmp_path, monkeypatch
+    interpreted_fmus, tmp_path, monkeypatch
 ) -> None:
-    first = build("BeadOnWire", tmp_path / "a", compiled=False).path
+    first = interpreted_fmus / "BeadOnWire.fmu"
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1234567890")
-    second = build("BeadOnWire", tmp_path / "b", compiled=False).path
+    second = build("BeadOnWire", tmp_path, compiled=False).path
     assert head(second).get("generationDateAndTime") == "2009-02-13T23:31:30Z"
     with zipfile.ZipFile(second) as archive:
         assert {i.date_time for i in archive.infolist()} == {(2009, 2, 13, 23, 31, 30)}
@@ -115,6 +111,8 @@ def test_the_date_is_that_of_the_sources_or_of_source_date_epoch(
     assert guid(first) == guid(second)
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
     assert timestamp().isoformat() == "1970-01-01T00:00:00+00:00"
+    monkeypatch.delenv("SOURCE_DATE_EPOCH")
+    assert timestamp().isoformat() == f"{__date__}T00:00:00+00:00"
 
 
 def test_the_guid_follows_the_content(interpreted_fmus, tmp_path) -> None:

@@ -29,7 +29,7 @@ def measure():
 
 
 def one():
-    result = fmpy.simulate_fmu(what, stop_time=0.02, output_interval=0.01)
+    result = fmpy.simulate_fmu(what, stop_time=0.02, output_interval=0.01, validate=False)
     return [result[name][-1] for name in result.dtype.names]
 
 

@@ -242,8 +242,12 @@ def alone(host, fmus):
 
 
 @pytest.mark.parametrize("scope", ["RTLD_LOCAL", "RTLD_GLOBAL"])
-def test_several_fmus_in_one_process(host, compile_host, fmus, alone, scope, tmp_path):
-    program = compile_host("host.c", tmp_path / "host", f"-DSCOPE={scope}")
+def test_several_fmus_in_one_process(
+    host, host_program, compile_host, fmus, alone, scope, tmp_path
+):
+    program = host_program  # of RTLD_LOCAL
+    if scope == "RTLD_GLOBAL":
+        program = compile_host("host.c", tmp_path / "host", f"-DSCOPE={scope}")
     commands = []
     for k, fmu in enumerate(fmus.values()):
         commands += [*fmu.start(k, k), f"setup {k} - 0 -", f"enter {k}", f"exit {k}"]

@@ -95,7 +95,7 @@ def resident():
 
 
 count = int(count)
-for _ in range(100):
+for _ in range(60):
     once()
 before = resident()
 for _ in range(count):
@@ -104,7 +104,7 @@ print((resident() - before) // count)
 """
 
 
-@pytest.mark.parametrize("count", [300, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [240, pytest.param(1000, marks=pytest.mark.slow)])
 def test_a_library_loaded_again_and_again_leaves_little(bead: Unpacked, count: int) -> None:
     """What is left is what ctypes and fmpy keep."""
     own = (str(bead.folder), bead.guid, bead.identifier)

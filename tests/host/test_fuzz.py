@@ -74,7 +74,7 @@ def fuzz(program, fmus, name, count, tmp_path):
 
 
 def test_some_hundred_sequences(fuzz_program, sanitized, tmp_path):
-    fuzz(fuzz_program, sanitized, "ParabolaPendulum", 400, tmp_path)
+    fuzz(fuzz_program, sanitized, "ParabolaPendulum", 200, tmp_path)
 
 
 @pytest.mark.slow

@@ -219,15 +219,15 @@ def test_instantiation_that_fails_says_why(instantiated, number):
 
 
 FOLDERS = ["plain", "a b", "100%", "a%20b", "häß ☃", "#1?x=y", "a+b&c;d", "file:"]
+ALL = " ".join(FOLDERS)
 FORMS = ["file:{0}", "file://{0}", "file://localhost{0}", "FILE://{0}/", "file://{1}", "{2}"]
 
 
 @pytest.mark.parametrize(
     ("folder", "form"),
     [
-        pytest.param(folder, form, marks=() if i % len(FORMS) == j else pytest.mark.slow)
-        for i, folder in enumerate(FOLDERS)
-        for j, form in enumerate(FORMS)
+        *((ALL, form) for form in FORMS),
+        *(pytest.param(f, form, marks=pytest.mark.slow) for f in FOLDERS for form in FORMS),
     ],
 )
 def test_resource_locations(host, bead, copy_of, folder, form):
