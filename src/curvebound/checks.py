@@ -111,13 +111,15 @@ def changes_follow_outputs(folder: Path | str) -> None:
 
 def keeps_the_balance_of_energy(folder: Path | str) -> None:
     """energy.residual stays at rounding while the system is driven and damped."""
-    fmu = _of(folder).fmu()
+    system = _of(folder)
+    fmu = system.fmu()
     names = {v.name for v in fmu.variables}
     if "energy.residual" not in names:
         return
+    built = cached_fmu(system)
     for label, choices in models(fmu):
         start = {**_damped(fmu), **choices, "solver.method": "adaptive", "solver.tolerance": 1e-10}
-        got = _run(folder, start, driven=True)
+        got = _run(built, start, _inputs(fmu))
         moved = got["energy.kinetic"].max() + np.ptp(got["energy.potential"])
         residual = float(np.abs(got["energy.residual"]).max())
         assert residual <= 1e-7 * max(moved, 1e-3), (
@@ -128,19 +130,21 @@ def keeps_the_balance_of_energy(folder: Path | str) -> None:
 
 def methods_have_their_orders(folder: Path | str) -> None:
     """The error of the state falls with the step as the order of each method says."""
-    fmu = _of(folder).fmu()
+    system = _of(folder)
+    fmu = system.fmu()
     states = _states(fmu)
     if "solver.method" not in {v.name for v in fmu.variables}:
         return
+    built = cached_fmu(system)
     for label, choices in models(fmu):
         start = {**_damped(fmu), **choices}
         precise = {**start, "solver.method": "adaptive", "solver.tolerance": 1e-13}
-        exact = _final(folder, precise, states)
+        exact = _final(built, precise, states)
         for method, order in STEP_ORDERS.items():
             tried: list[str] = []
             for count in _COUNTS:
                 errors = [
-                    _error(folder, {**start, "solver.method": method}, steps, states, exact)
+                    _error(built, {**start, "solver.method": method}, steps, states, exact)
                     for steps in (count, 2 * count)
                 ]
                 if errors[1] < _NOISE:
@@ -157,8 +161,9 @@ def methods_have_their_orders(folder: Path | str) -> None:
 
 def saves_its_whole_state(folder: Path | str) -> None:
     """A step that is taken back and taken again gives the same bits."""
-    fmu = _of(folder).fmu()
-    described = read_fmu(cached_fmu(_of(folder)))
+    system = _of(folder)
+    fmu = system.fmu()
+    described = read_fmu(cached_fmu(system))
     library = Library(described)
     outputs = [v.name for v in fmu.ordered() if v.kind == OUTPUT]
     methods = ["adaptive", *STEP_ORDERS] if "solver.method" in described.variables else [""]
@@ -204,13 +209,15 @@ def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
     """The compiled kernel gives the same bits as the interpreted one."""
     if why_not():
         return
-    fmu = _of(folder).fmu()
+    system = _of(folder)
+    fmu = system.fmu()
     plant = "solver.method" in {v.name for v in fmu.variables}
+    built, interpreted = cached_fmu(system), _interpreted(system)
     for label, choices in models(fmu):
         for method in ["adaptive", *STEP_ORDERS] if plant else [""]:
             start = {**_damped(fmu), **choices, **({"solver.method": method} if method else {})}
-            one = _run(folder, start, driven=True, stop=0.3)
-            other = _run(folder, start, driven=True, stop=0.3, compiled=False)
+            one = _run(built, start, _inputs(fmu), stop=0.3)
+            other = _run(interpreted, start, _inputs(fmu), stop=0.3)
             wrong = [name for name in one if not np.array_equal(one[name], other[name])]
             assert not wrong, f"{label}{method}: {', '.join(wrong)} differ"
 
@@ -271,21 +278,18 @@ def _sine(amplitude: float, frequency: float, time: float) -> float:
 
 
 def _run(
-    folder: Path | str,
+    fmu: Path,
     start: Mapping[str, Value],
+    inputs: Mapping[str, Callable[[float], float]] | None = None,
     *,
-    driven: bool = False,
     stop: float = 2.0,
     step: float = 0.02,
-    compiled: bool = True,
 ) -> Columns:
     """All outputs of a run, by name."""
-    system = _of(folder)
     scene = Scene("check", stop_time=stop, step=step)
-    scene.add("system", cached_fmu(system) if compiled else _interpreted(system), start)
-    if driven:
-        for name, signal in _inputs(system.fmu()).items():
-            scene.input(f"system.{name}", signal)
+    scene.add("system", fmu, start)
+    for name, signal in (inputs or {}).items():
+        scene.input(f"system.{name}", signal)
     result = scene.run()
     return {
         name.removeprefix("system."): np.asarray(result[name], dtype=np.float64)
@@ -293,21 +297,21 @@ def _run(
     }
 
 
-def _final(folder: Path | str, start: Mapping[str, Value], states: list[str]) -> list[float]:
+def _final(fmu: Path, start: Mapping[str, Value], states: list[str]) -> list[float]:
     """The states after 1 s in one communication step."""
-    got = _run(folder, start, stop=1.0, step=1.0)
+    got = _run(fmu, start, stop=1.0, step=1.0)
     return [float(got[name][-1]) for name in states]
 
 
 def _error(
-    folder: Path | str,
+    fmu: Path,
     start: Mapping[str, Value],
     steps: int,
     states: list[str],
     exact: list[float],
 ) -> float:
     """The largest error of the states after 1 s in so many internal steps."""
-    got = _final(folder, {**start, "solver.step": 1.0 / steps}, states)
+    got = _final(fmu, {**start, "solver.step": 1.0 / steps}, states)
     return max(abs(a - b) for a, b in zip(got, exact, strict=True))
 
 
