@@ -202,8 +202,12 @@ class Probe:
             moving = [a for a in theory.jacobians(motion, states) if theory.swings(a)]
 
         def smallest(matrices: Sequence[NDArray[Any]]) -> float:
-            found = [theory.boundary(method, a, self.duration, least, most) for a in matrices]
-            return min(found, default=math.nan)
+            found = math.inf if matrices else math.nan
+            for a in matrices:
+                if found > 0.0:  # only what is below the smallest so far is searched
+                    end = theory.boundary(method, a, self.duration, least, min(found, most))
+                    found = min(found, end)
+            return found
 
         return smallest(rest), smallest(moving)
 
