@@ -15,6 +15,10 @@ import mpmath
 import pytest
 import sympy as sp
 
+from curvebound import checks
+from curvebound.study.stability.ranges import draw
+from curvebound.study.stability.sample import Sampled, SampleSettings, run_points
+
 DIGITS = 60
 
 BEAD = {
@@ -72,18 +76,18 @@ class Mechanics:
         mass = sp.Matrix([[e.coeff(a) for a in second] for e in equations])
         rest = sp.Matrix([-e.subs(dict.fromkeys(second, 0)) for e in equations])
         names: list[Any] = []
-        swap: list[tuple[Any, Any]] = []
+        swap: dict[Any, Any] = {}
         for order in (2, 1, 0):
             for f in [*q, *prescribed]:
                 name = sp.Symbol(f"{f.func.__name__}_{order}")
                 names.append(name)
-                swap.append((f.diff(t, order) if order else f, name))
+                swap[f.diff(t, order)] = name
         arguments = [*names, *parameters]
         self.names = [str(a) for a in arguments]
         self.q = [f.func.__name__ for f in q]
 
         def compiled(expression: Any) -> Callable[..., Any]:
-            return sp.lambdify(arguments, expression.subs(swap), "mpmath")
+            return sp.lambdify(arguments, expression.xreplace(swap), "mpmath")
 
         self.mass = compiled(mass)
         self.rest = compiled(rest)
@@ -215,6 +219,16 @@ def outputs_of(model: Any) -> dict[str, float]:
 def outputs() -> Callable[[Any], dict[str, float]]:
     """All outputs of a model by name."""
     return outputs_of
+
+
+@pytest.fixture
+def sampled_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks run their random points in this process: they start none for a handful."""
+
+    def run_sample(settings: SampleSettings, count: int, seed: int) -> list[Sampled]:
+        return run_points(settings, draw(settings.system, count, seed))
+
+    monkeypatch.setattr(checks, "run_sample", run_sample)
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -91,7 +92,7 @@ def relative_acceleration(v: dict[str, Any]) -> tuple[Any, Any]:
 def test_acceleration_is_that_of_the_lagrangian(
     terms: tuple[str, ...], rng: random.Random, bead_mechanics: Any
 ) -> None:
-    for _ in range(15):
+    for _ in range(8):
         made = case(rng, terms)
         v = bead_mechanics.with_acceleration(by_symbol(made, 0.0))
         model = started(ANGLE, made)
@@ -117,7 +118,7 @@ def test_forces_obey_newtons_law(
     bead_mechanics: Any,
     outputs: Any,
 ) -> None:
-    for _ in range(20):
+    for _ in range(10):
         made = case(rng, terms)
         got = outputs(started(choices, made))
         v = bead_mechanics.with_acceleration(by_symbol(made, 0.0))
@@ -144,7 +145,7 @@ def test_energy_changes_by_power(
     bead_mechanics: Any,
     outputs: Any,
 ) -> None:
-    for _ in range(20):
+    for _ in range(10):
         made = case(rng, terms)
         model = started(choices, made)
         out = outputs(model)
@@ -164,6 +165,7 @@ def test_energy_changes_by_power(
             assert power == 0.0
 
 
+@cache
 def multiplier_equations() -> Any:
     """p'' and its derivatives from the system of equations with the multiplier as an unknown."""
     x, y, vx, vy, ax, ay, factor = sp.symbols("x y vx vy ax ay factor")
@@ -188,7 +190,7 @@ def test_cartesian_form_off_the_wire_and_its_jacobian(
     terms: tuple[str, ...], choices: dict[str, int], rng: random.Random, outputs: Any
 ) -> None:
     equations = multiplier_equations()
-    for _ in range(20):
+    for _ in range(10):
         made = case(rng, terms)
         model = started(choices, made)
         model.q0, model.q1, model.v0, model.v1 = (rng.uniform(-3.0, 3.0) for _ in range(4))

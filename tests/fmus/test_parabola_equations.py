@@ -117,7 +117,7 @@ def test_acceleration_is_that_of_the_lagrangian(
 ) -> None:
     name = "parabola_mechanics" if fidelity == "nonlinear" else "linear_mechanics"
     mechanics = request.getfixturevalue(name)
-    for _ in range(15):
+    for _ in range(8):
         made = case(rng, terms)
         t = made[3] if "shape" in terms else 0.0
         model = started(NONLINEAR if fidelity == "nonlinear" else LINEAR, made)
@@ -147,7 +147,7 @@ def test_acceleration_is_that_of_the_lagrangian(
 def test_no_cancellation_at_the_extremes(
     fixed: dict[str, float], terms: tuple[str, ...], rng: random.Random, parabola_mechanics: Any
 ) -> None:
-    for _ in range(15):
+    for _ in range(8):
         made = case(rng, terms, **fixed)
         t = made[3] if "shape" in terms else 0.0
         model = started(NONLINEAR, made)
@@ -160,7 +160,7 @@ def test_rod_along_the_tangent_of_a_light_slider(
     rng: random.Random, parabola_mechanics: Any
 ) -> None:
     """The determinant of the mass matrix all but vanishes: m1/m2 = 1e-12."""
-    for _ in range(15):
+    for _ in range(8):
         made = case(rng, (), **{"slider.mass": 1e-12, "pendulum.mass": 1.0})
         p = made[0]
         slope = 2.0 * p["parabola.coefficient_start"] * p["slider.u_start"]
@@ -180,7 +180,7 @@ def test_jacobian(
 ) -> None:
     name = "parabola_mechanics" if fidelity == "nonlinear" else "linear_mechanics"
     mechanics = request.getfixturevalue(name)
-    for _ in range(8):
+    for _ in range(4):
         made = case(rng, terms)
         t = made[3]
         model = started(NONLINEAR if fidelity == "nonlinear" else LINEAR, made)
@@ -214,7 +214,7 @@ def test_forces_obey_newtons_law(
     parabola_mechanics: Any,
     outputs: Any,
 ) -> None:
-    for _ in range(20):
+    for _ in range(10):
         made = case(rng, terms, **fixed)
         model = started(NONLINEAR, made)
         got = outputs(model)
@@ -243,7 +243,7 @@ def test_forces_obey_newtons_law(
 def test_linear_forces_obey_newtons_law_for_the_linear_motion(
     terms: tuple[str, ...], rng: random.Random, linear_mechanics: Any, outputs: Any
 ) -> None:
-    for _ in range(20):
+    for _ in range(10):
         made = case(rng, terms)
         got = outputs(started(LINEAR, made))
         v = linear_mechanics.with_acceleration(by_symbol(made, 0.0))
@@ -271,7 +271,7 @@ def test_energy_changes_by_power(
 ) -> None:
     name = "parabola_mechanics" if fidelity == "nonlinear" else "linear_mechanics"
     mechanics = request.getfixturevalue(name)
-    for _ in range(20):
+    for _ in range(10):
         made = case(rng, terms)
         model = started(NONLINEAR if fidelity == "nonlinear" else LINEAR, made)
         now = mechanics.arguments(by_symbol(made, 0.0))

@@ -15,11 +15,12 @@ from curvebound.fmi.folder import find, names
 QUICK = [one for one in CHECKS if one is not checks.runs_alike_compiled_and_interpreted]
 
 
+@pytest.mark.usefixtures("sampled_here")
 @pytest.mark.parametrize("check", QUICK, ids=lambda check: check.__name__)
 @pytest.mark.parametrize("name", names())
 def test_system(name: str, check: Callable[[Path], None], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks, "_POINTS", 6)
-    monkeypatch.setattr(checks, "_STATES", 60)
+    monkeypatch.setattr(checks, "_POINTS", 3)
+    monkeypatch.setattr(checks, "_STATES", 30)
     check(find(name).path)
 
 

@@ -120,11 +120,11 @@ def test_large_steps_in_a_field(
     """The step may be far beyond half a turn, and gravity changes the rate within it."""
     choices = CARTESIAN[2]
     most = 0.0
-    for _ in range(100):
+    for _ in range(40):
         spin = {
             **bead_defaults,
             "bead.angle_start": rng.uniform(-3.0, 3.0),
-            "bead.angular_velocity_start": rng.uniform(-20.0, 20.0),
+            "bead.angular_velocity_start": rng.uniform(-25.0, 25.0),
         }
         fine = bead_on_wire(ANGLE)
         fine.start(spin, ANGLE)
@@ -133,7 +133,7 @@ def test_large_steps_in_a_field(
         step = rng.uniform(0.1, 1.0)
         for _ in range(5):
             before = outputs(fine)["bead.angle"]
-            RK4().advance(fine, step, 150, 0.0, 150)
+            RK4().advance(fine, step, 100, 0.0, 100)
             coarse.q0, coarse.q1, coarse.v0, coarse.v1 = fine.relative()
             coarse.settle(step)
             angle = outputs(fine)["bead.angle"]
@@ -227,9 +227,9 @@ def test_turning_pendulum(cut: int, parabola_defaults: dict[str, float], outputs
     raw = parabola_pendulum(NONLINEAR)
     raw.start(start, NONLINEAR)
     raw.settles = False
-    RK4().advance(raw, 3.0, 30000, 0.0, 30000)
+    RK4().advance(raw, 3.0, 9000, 0.0, 9000)
     for _ in range(cut):
-        RK4().advance(model, 3.0 / cut, 30000 // cut, 0.0, 30000)
+        RK4().advance(model, 3.0 / cut, 9000 // cut, 0.0, 9000)
         model.advance_frame(3.0 / cut)
     out = outputs(model)
     assert out["pendulum.angle"] == pytest.approx(raw.q1, abs=1e-8)
