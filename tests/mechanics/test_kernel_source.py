@@ -62,7 +62,7 @@ def counts(few: int, many: int) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("count", [few, pytest.param(many, marks=pytest.mark.slow)])
 
 
-@counts(100, 400)
+@counts(40, 400)
 @pytest.mark.parametrize("name", NAMES)
 def test_start_power_slopes_and_energies(name: str, count: int) -> None:
     for hand, mine, t in pairs(name, count):
@@ -91,7 +91,7 @@ def test_start_power_slopes_and_energies(name: str, count: int) -> None:
         assert found == pytest.approx(power, rel=1e-9, abs=1e-300)
 
 
-@counts(50, 200)
+@counts(25, 200)
 @pytest.mark.parametrize("name", NAMES)
 def test_outputs(name: str, count: int) -> None:
     for hand, mine, _ in pairs(name, count):
@@ -115,7 +115,7 @@ def test_outputs(name: str, count: int) -> None:
             assert abs(found[1][output] - y) <= 1e-9 * size, (output, found[1][output], y)
 
 
-@counts(50, 1000)
+@counts(25, 1000)
 @pytest.mark.parametrize("name", NAMES)
 def test_changes_of_outputs_with_inputs(name: str, count: int) -> None:
     rng = random.Random(3)
@@ -163,7 +163,7 @@ MECHANICS = Mechanics([phi], [bead], couples={phi: input_("bead.torque") ** 2})
 
 def test_linear_system_and_power_form() -> None:
     count = 0
-    for hand, mine, _ in pairs("parabola_pendulum", 100):
+    for hand, mine, _ in pairs("parabola_pendulum", 60):
         if not hand.is_linear or not hand.is_constant:
             continue
         count += 1

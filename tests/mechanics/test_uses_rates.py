@@ -11,10 +11,9 @@ from typing import Any
 
 import pytest
 
-from curvebound.fmi.folder import find
+from curvebound.fmi.folder import Folder, find
 from curvebound.kernel.adaptive import Adaptive
 from curvebound.kernel.method import DONE
-from curvebound.mechanics.derive import derive
 
 from .conftest import EACH, FOLDERS
 
@@ -32,7 +31,7 @@ def factory_of(name: str) -> Factory:
     if name in BY_HAND:
         return find(name).module("kernel").model  # type: ignore[no-any-return]
     module = ModuleType(f"derived_{name}")
-    exec(derive(FOLDERS[name] / "mechanics.py").kernel, module.__dict__)
+    exec(Folder(FOLDERS[name]).derived().kernel, module.__dict__)
     return module.model  # type: ignore[attr-defined, no-any-return]
 
 
