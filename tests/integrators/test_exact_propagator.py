@@ -60,7 +60,7 @@ def exponential(a: mpmath.matrix) -> mpmath.matrix:
     k = max(0, int(mpmath.log(max(abs(x) for x in a) + 1, 2))) + 6
     x = a / mpmath.mpf(2) ** k
     term = total = mpmath.eye(n)
-    for i in range(1, 24):
+    for i in range(1, 12):
         term = term * x / i
         total = total + term
     for _ in range(k):

@@ -31,7 +31,7 @@ def run(model: Any, until: float, step: float, tolerance: float) -> Adaptive:
         (1e2, 1e-10),
         pytest.param(1e3, 1e-8, marks=pytest.mark.slow),
         pytest.param(1e3, 1e-6, marks=pytest.mark.slow),
-        (1e5, 1e-6),
+        pytest.param(1e5, 1e-6, marks=pytest.mark.slow),
     ],
 )
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_a_motion_lost_in_the_last_digit_of_the_angle_is_told(
     if name == "bead":
         values["model.formulation"] = 2
     model = KERNEL.system(fmu, values | ({} if name == "bead" else {"slider.u_start": 0.0}))
-    method = run(model, 20.0, 0.1, 1e-6)
+    method = run(model, 20.0, 1.0, 1e-6)
     assert max(method.doubt(), method.loss()) > 1e-6
 
 
@@ -78,7 +78,7 @@ def test_what_rests_where_rest_is_stable_is_not_doubted(damping: float) -> None:
     """Settled at the bottom until its rate no longer moves the angle."""
     values: dict[str, float] = {"bead.angle_start": 0.1, "bead.damping": damping}
     model = KERNEL.system("BeadOnWire", values | {"model.formulation": 2, "gravity.x": 1.0})
-    method = run(model, 200.0, 1.0, 1e-9)
+    method = run(model, 200.0, 10.0, 1e-9)
     assert math.tan(model.q0) == pytest.approx(1.0 / 9.81, rel=1e-9)
     assert max(method.doubt(), method.loss()) < 1e-9
 
@@ -96,7 +96,7 @@ def test_settled_upside_down(damping: tuple[float, float]) -> None:
             "pendulum.damping": damping[1],
         },
     )
-    assert run(model, 1000.0, 10.0, 1e-10).steps < 1500
+    assert run(model, 1000.0, 100.0, 1e-10).steps < 1500
     assert model.q1 == pytest.approx(math.pi, abs=1e-6)
 
 
@@ -297,7 +297,7 @@ class Bowl(Model):
         return 0.5 * (1.0 + slope * slope) * self.v0 * self.v0 + 9.81 * self.a * self.q0 * self.q0
 
 
-@pytest.mark.parametrize("count", [60, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [12, pytest.param(300, marks=pytest.mark.slow)])
 def test_a_textbook_model_without_any_hint(count: int) -> None:
     """Random ones: heights agree with a run at a thousandth of the tolerance, and energy."""
     for number in range(count):

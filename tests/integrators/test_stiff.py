@@ -129,8 +129,8 @@ def test_work_of_damping_is_integrated_in_stiff_steps() -> None:
 def test_without_damping_there_are_no_stiff_steps() -> None:
     for system in (Oscillator, Pendulum, Sliding):
         model, method = system(), Adaptive()
-        march(method, model, 200.0, tolerance=1e-9)
-        assert method.steps > 150
+        march(method, model, 60.0, tolerance=1e-9)
+        assert method.steps > 100
         assert method.stiff.wished == 0.0
 
 
@@ -209,7 +209,7 @@ def test_time_is_summed_exactly() -> None:
     elapsed = Elapsed()
     total = Fraction(0)
     h = 1.0 / 3e7
-    for _ in range(100_000):
+    for _ in range(10_000):
         elapsed.add(h)
         total += Fraction(h)
     assert abs(Fraction(elapsed.t) + Fraction(elapsed.rest) - total) < Fraction(1, 10**27)
@@ -268,7 +268,9 @@ def test_what_damping_has_stopped_takes_no_more_steps(stabilization: int) -> Non
 
 
 @pytest.mark.parametrize("damping", [5.0, pytest.param(1000.0, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("form", ["none", "baumgarte", "projection", "angle"])
+@pytest.mark.parametrize(
+    "form", ["none", pytest.param("baumgarte", marks=pytest.mark.slow), "projection", "angle"]
+)
 def test_a_stopped_bead_that_is_pushed_and_released(form: str, damping: float) -> None:
     """Each rest is another equilibrium, where forces cancel to rounding: a few steps each.
 
