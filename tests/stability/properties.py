@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -60,7 +60,7 @@ def holds(
 _tries: Counter[bool] = Counter()
 
 
-@lru_cache
+@cache
 def variables(system: str) -> dict[str, Variable]:
     return {v.name: v for v in find(FMUS[system]).fmu().variables}
 
@@ -112,11 +112,10 @@ def _plain(values: Values) -> Values:
     return {k: 0.0 if not isinstance(v, str) and abs(v) < 1e-60 else v for k, v in values.items()}
 
 
-#: points of the ranges that the random sample covers
-sampled: dict[str, st.SearchStrategy[Values]] = {
-    name: st.randoms(use_true_random=False).map(drawer(fmu)).map(_plain)
-    for name, fmu in FMUS.items()
-}
+@cache
+def sampled(system: str) -> st.SearchStrategy[Values]:
+    """Points of the ranges that the random sample covers."""
+    return st.randoms(use_true_random=False).map(drawer(FMUS[system])).map(_plain)
 
 
 def _whole(variable: Variable) -> st.SearchStrategy[float]:

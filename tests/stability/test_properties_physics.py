@@ -49,7 +49,7 @@ def size_of(*columns: np.ndarray) -> float:
     return float(sum(np.abs(c).max() for c in columns))
 
 
-@counts(15, 300)
+@counts(8, 300)
 @pytest.mark.parametrize("system", FMUS)
 @pytest.mark.parametrize("method", ["adaptive", "implicit"])
 def test_energy_balance(system: str, method: str, count: int) -> None:
@@ -73,7 +73,7 @@ def test_energy_balance(system: str, method: str, count: int) -> None:
         allowed = {"adaptive": (1e-6, 1e-5), "implicit": (1e-4, 1e-2)}[method][damped]
         assert np.abs(found["energy.residual"]).max() <= allowed * moved + rounding
 
-    holds(count, check, sampled[system])
+    holds(count, check, sampled(system))
     # `implicit` may refuse a violent motion; `adaptive` has no reason to
     assert len(failures) <= (0 if method == "adaptive" else 0.1 * count)
 
@@ -104,7 +104,7 @@ def test_heavy_damping_leads_implicit_to_no_other_solution(stabilization: str, p
     assert found["solver.steps"][-1] == 250
 
 
-@counts(15, 300)
+@counts(8, 300)
 def test_constraint_of_the_wire(count: int) -> None:
     def check(values: Any, method: str) -> None:
         values, step = small_steps("bead", values, method)
@@ -126,10 +126,10 @@ def test_constraint_of_the_wire(count: int) -> None:
         assert np.abs(y + r * np.cos(angle)).max() <= 1e-6 * r + rounding
 
     some = st.sampled_from(["rk4", "implicit", "adaptive"])
-    holds(count, check, sampled["bead"], some, refused=0.2)
+    holds(count, check, sampled("bead"), some, refused=0.2)
 
 
-@counts(15, 300)
+@counts(8, 300)
 def test_constraints_of_the_pendulum(count: int) -> None:
     """The slider is on the parabola and the bob at the rod's end, whatever the method's error."""
 
@@ -161,7 +161,7 @@ def test_constraints_of_the_pendulum(count: int) -> None:
         )
 
     some = st.sampled_from(["rk4", "implicit", "adaptive"])
-    holds(count, check, sampled["pendulum"], some, refused=0.1)
+    holds(count, check, sampled("pendulum"), some, refused=0.1)
 
 
 def started(system: str, values: Any) -> Any:
@@ -187,7 +187,7 @@ def outputs(model: Any) -> dict[str, float]:
     return dict(zip(model.OUTPUTS, values, strict=True))
 
 
-@counts(60, 1000)
+@counts(25, 1000)
 def test_newtons_law_of_the_bead(count: int) -> None:
     """Mass times acceleration in the world is gravity, inputs and the wire's force."""
 
@@ -215,10 +215,10 @@ def test_newtons_law_of_the_bead(count: int) -> None:
             ]
             assert abs(sum(terms)) <= 64 * EPSILON * sum(abs(x) for x in terms + parts)
 
-    holds(count, check, sampled["bead"])
+    holds(count, check, sampled("bead"))
 
 
-@counts(60, 1000)
+@counts(25, 1000)
 def test_newtons_law_of_slider_bob_and_whole(count: int) -> None:
     """In both fidelities the reactions are those of the exact geometry."""
 
@@ -253,4 +253,4 @@ def test_newtons_law_of_slider_bob_and_whole(count: int) -> None:
             size = sum(map(abs, [*terms, *loads])) + sum(through)
             assert abs(sum(terms)) <= 1e-12 * size
 
-    holds(count, check, sampled["pendulum"])
+    holds(count, check, sampled("pendulum"))

@@ -56,7 +56,7 @@ def prepared(system: str, values: Any, method: str, piece: tuple[float, float]) 
     }, step
 
 
-@counts(12, 300)
+@counts(7, 300)
 @pytest.mark.parametrize("system", FMUS)
 def test_mirror(system: str, count: int) -> None:
     """Left and right swapped, every bit of every output is mirrored."""
@@ -73,7 +73,7 @@ def test_mirror(system: str, count: int) -> None:
             sign = -1.0 if name in MIRRORED_OUTPUTS else 1.0
             assert np.array_equal(one[name], sign * other[name]), name
 
-    holds(count, check, sampled[system], methods, pieces, refused=0.25)
+    holds(count, check, sampled(system), methods, pieces, refused=0.25)
 
 
 def test_half_a_turn_is_counted_alike_to_both_sides() -> None:
@@ -100,7 +100,7 @@ def test_half_a_turn_is_counted_alike_to_both_sides() -> None:
     assert np.abs(one["constraint.drift"]).max() > 1e6
 
 
-@counts(12, 300)
+@counts(7, 300)
 @pytest.mark.parametrize("system", FMUS)
 def test_units(system: str, count: int) -> None:
     """In other units of length, mass and time, all powers of two, every bit is the same."""
@@ -131,7 +131,7 @@ def test_units(system: str, count: int) -> None:
             assert np.array_equal(one[name] * factor(name), other[name]), name
 
     shift = st.integers(-12, 12)
-    holds(count, check, sampled[system], methods, pieces, shift, shift, shift, refused=0.25)
+    holds(count, check, sampled(system), methods, pieces, shift, shift, shift, refused=0.25)
 
 
 #: what leads from the end of a motion back, its rates reversed
@@ -149,7 +149,7 @@ STATES = {
 }
 
 
-@counts(12, 300)
+@counts(7, 300)
 @pytest.mark.parametrize("system", FMUS)
 @pytest.mark.parametrize("method", ["implicit", "adaptive"])
 def test_time_reversal(system: str, method: str, count: int) -> None:
@@ -192,5 +192,5 @@ def test_time_reversal(system: str, method: str, count: int) -> None:
                 size += 1e-3 * rate(system, values) * values.get("pendulum.length", 1.0)
             assert abs(sign * home[output][-1] - values[start]) <= 1e-7 * size, output
 
-    holds(count, check, sampled[system], refused=0.0 if method == "adaptive" else 0.02)
+    holds(count, check, sampled(system), refused=0.0 if method == "adaptive" else 0.02)
     assert judged[False] <= 0.2 * judged.total(), judged

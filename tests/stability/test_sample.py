@@ -212,19 +212,19 @@ def test_what_moves_is_measured_by_how_far() -> None:
 @pytest.mark.parametrize("system", [pytest.param("bead", marks=pytest.mark.slow), "pendulum"])
 def test_a_few_points_are_accurate(system: str, tmp_path: Path) -> None:
     settings = SampleSettings(SYSTEMS[system])
-    outcomes = run_sample(settings, 5, 11)
-    assert [one.point.number for one in outcomes] == list(range(5))
+    outcomes = run_sample(settings, 2, 11)
+    assert [one.point.number for one in outcomes] == [0, 1]
     assert {one.verdict for one in outcomes} == {"accurate"}
     assert max(one.error for one in outcomes) < sample.ALLOWED
     assert max(one.evaluations for one in outcomes) < 100_000
     assert passes(outcomes)
     with write_sample(outcomes, tmp_path / "sample.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 5
-    assert float(rows[3]["error"]) == outcomes[3].error
+    assert len(rows) == 2
+    assert float(rows[1]["error"]) == outcomes[1].error
 
 
-@pytest.mark.parametrize("part", [slice(8, 17), pytest.param(slice(20), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("part", [slice(12, 16), pytest.param(slice(20), marks=pytest.mark.slow)])
 def test_a_loose_tolerance_is_called_wrong_and_a_short_limit_a_failure(part: slice) -> None:
     settings = SampleSettings("ParabolaPendulum", tolerance=1e-2, max_steps=6)
     points = draw(settings.system, 20, 11)[part]
