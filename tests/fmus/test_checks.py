@@ -58,7 +58,7 @@ def test_a_fault_is_found(check: Callable[[Path], None], tmp_path: Path, monkeyp
 @pytest.mark.usefixtures("short_reference", "sampled_here")
 def test_a_fault_is_found_at_random_points(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_: "it takes too long here")
-    monkeypatch.setattr(checks, "_POINTS", 4)
+    monkeypatch.setattr(checks, "_POINTS", 3)
     folder = tmp_path / "bead_on_wire"
     shutil.copytree(find("BeadOnWire").path, folder)
     source = folder / "angle.py"

@@ -140,16 +140,28 @@ def small(p: dict[str, float], z: Any, u: Any, a: float) -> Any:
     return [dx, dth, *np.linalg.solve([[m, m2 * r], [m2 * r, m2 * r * r]], b)]
 
 
-def reference(
-    name: str, p: dict[str, float], first: list[float], slopes: list[float], duration: float
-) -> list[float]:
+def given(name: str, *, steady: bool) -> tuple[list[float], list[float]]:
+    """Inputs and their slopes; those that `exact` can follow."""
+    first, slopes = SIZES[MODELS[name][0]]
+    if steady:
+        first = [first[0], first[1], 0.0, *first[3:]]
+        slopes = [s * on for s, on in zip(slopes, HORIZONTAL, strict=True)]
+    return first, slopes
+
+
+@cache
+def reference(name: str, *, steady: bool) -> list[float]:
+    """The state after DURATION."""
+    _, p = started(name, steady=steady)
+    first, slopes = given(name, steady=steady)
+
     def inputs(t: float) -> Any:
         return np.array(first) + t * np.array(slopes)
 
     if MODELS[name][0] == "BeadOnWire":
         start = [p["bead.angle_start"], p["bead.angular_velocity_start"]]
         found = solve_ivp(
-            lambda t, z: bead(p, z, inputs(t)), (0, duration), start, "DOP853", rtol=1e-13,
+            lambda t, z: bead(p, z, inputs(t)), (0, DURATION), start, "DOP853", rtol=1e-13,
             atol=1e-13,
         )  # fmt: skip
         return list(found.y[:, -1])
@@ -166,7 +178,7 @@ def reference(
 
     start = [p[f"{n}_start"] for n in (
         "slider.u", "pendulum.angle", "slider.u_rate", "pendulum.angular_velocity")]  # fmt: skip
-    found = solve_ivp(rates, (0, duration), start, "DOP853", rtol=1e-13, atol=1e-13)
+    found = solve_ivp(rates, (0, DURATION), start, "DOP853", rtol=1e-13, atol=1e-13)
     return list(found.y[:, -1])
 
 
@@ -205,14 +217,12 @@ def test_motion_and_work(kernel: str, method: str) -> None:
     if (method == "exact" and name != "linear") or (of and "euler" in method):
         return
     fmu = MODELS[name][0]
-    first, slopes = SIZES[fmu]
-    model, parameters = started(kernel, steady=method == "exact")
-    if method == "exact":
-        first = [first[0], first[1], 0.0, *first[3:]]
-        slopes = [s * on for s, on in zip(slopes, HORIZONTAL, strict=True)]
+    steady = method == "exact"
+    first, slopes = given(name, steady=steady)
+    model, parameters = started(kernel, steady=steady)
     count, allowed = ALLOWED[method]
     advanced(METHODS.index(method) + 1, model, first, slopes, DURATION, count)
-    true = reference(name, parameters, first, slopes, DURATION)
+    true = reference(name, steady=steady)
     assert np.allclose(state_of(model), true, rtol=0, atol=allowed)
     assert abs(residual(model)) <= 20 * allowed
     t = DURATION
