@@ -6,8 +6,8 @@ import gc
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterator
-from functools import cache, partial
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial, partialmethod
 from pathlib import Path
 
 import pytest
@@ -21,6 +21,8 @@ from curvebound.fmi.compile import why_not
 from curvebound.fmi.folder import find
 from curvebound.fmi.reference import ReferenceResult, reference_result
 from curvebound.locks import locked
+from curvebound.study.runner import Runner
+from curvebound.study.sweep.task import Point, Row, Task, run_points
 
 SLOW_LIMIT = 1800  # s that a slow test may take
 
@@ -96,6 +98,23 @@ def short_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """
     short = with_short_reference(documentation.reference_result)
     monkeypatch.setattr(documentation, "reference_result", short)
+
+
+@pytest.fixture
+def points_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Points of sweeps are run in this process: starting workers takes most of a short one."""
+
+    def run(task: Task, points: Sequence[Point], workers: int) -> Iterator[list[Row]]:
+        for point in points:
+            yield run_points(task, [point])
+
+    monkeypatch.setattr("curvebound.study.sweep.engine.run_locally", run)
+
+
+@pytest.fixture
+def timed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a setting costs is taken from one run, where a test does not look at costs."""
+    monkeypatch.setattr(Runner, "cost", partialmethod(Runner.cost, runs=1, enough=0.0))
 
 
 @pytest.fixture(scope="session")

@@ -64,10 +64,11 @@ def test_importing_it_takes_no_numpy() -> None:
         _ = curvebound.sweeps
 
 
+@pytest.mark.usefixtures("points_here", "timed_once")
 def test_a_scene_is_run_tuned_and_swept(tmp_path: Path) -> None:
     pytest.importorskip("mpmath")
     scene = curvebound.load_scene("bead_on_wire")
-    scene.stop_time = 0.5
+    scene.set("stop_time", 0.5).set("bead.bead.damping", 0.1)
     result = curvebound.run(scene, {"bead.wire.radius": 2.0}, stop_time=0.2)
     assert result.time[-1] == 0.2
     assert np.hypot(result["bead.bead.x"], result["bead.bead.y"])[-1] == pytest.approx(2.0)

@@ -11,13 +11,16 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from shutil import copytree, ignore_patterns
 
 import pytest
 
 from curvebound import cache
+from curvebound.cli import main
+from curvebound.cosim import capabilities
 from curvebound.errors import CurveboundError
+from curvebound.fmi import binaries, cached, documentation
 from curvebound.fmi import compile as kernel
-from curvebound.fmi import documentation
 from curvebound.fmi.cached import cached_fmu
 from curvebound.fmi.folder import find
 
@@ -260,17 +263,43 @@ def test_a_truncated_kernel_is_not_packed(
     assert kernel.extension("linux64", core, None) == b"a whole kernel"
 
 
-def test_other_sources_are_another_fmu_in_another_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Two checkouts, or a branch and what it changed, never meet each other's."""
+@pytest.fixture(scope="module")
+def natives() -> dict[str, Path | None]:
+    """The binaries of FMUs, by platform, from the cache of all tests."""
+    return {name: binaries.compile_binary(name) for name in binaries.PLATFORMS}
+
+
+@pytest.fixture
+def quick(natives: dict[str, Path | None], monkeypatch: pytest.MonkeyPatch) -> None:
+    """QUICK, in this process, as if it had built nothing yet."""
+    for module in (binaries, cached):
+        monkeypatch.setattr(module, "compile_binary", natives.get)
     monkeypatch.setattr(kernel, "why_not", lambda: "no C compiler found")
     monkeypatch.setattr(documentation, "reference_result", lambda _: None)
+    monkeypatch.setattr(capabilities, "_BUILT", {})
+
+
+@pytest.mark.usefixtures("quick")
+def test_other_sources_are_another_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A changed system, or a changed package."""
+    first = cached_fmu(find("BeadOnWire"))
+    copy = tmp_path / "bead_on_wire"
+    copytree(find("BeadOnWire").path, copy, ignore=ignore_patterns("__pycache__"))
+    (copy / "base.py").write_text((copy / "base.py").read_text() + "\n# another branch\n")
+    other = cached_fmu(find(str(copy)))
+    assert other != first
+    assert other.read_bytes() != first.read_bytes()
+    monkeypatch.setattr(cached, "_PACKAGE", copy)
+    assert cached_fmu(find("BeadOnWire")) not in (first, other)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("quick")
+def test_other_sources_are_another_fmu_in_another_place(tmp_path: Path) -> None:
+    """Two checkouts, or a branch and what it changed, never meet each other's."""
     first = cached_fmu(find("BeadOnWire"))
     bytes_of_first = first.read_bytes()
     assert cached_fmu(find("BeadOnWire")) == first
-    from shutil import copytree, ignore_patterns
-
     copy = tmp_path / "checkout"
     ignored = ignore_patterns("__pycache__")
     copytree(SOURCES, copy / "src", ignore=ignored)
@@ -296,26 +325,20 @@ def test_other_sources_are_another_fmu_in_another_place(
     assert other.read_bytes() != bytes_of_first == first.read_bytes()
 
 
-def test_a_scene_runs_without_a_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("quick")
+def test_a_scene_runs_without_a_home(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
     """A container run as another user, HOME=/: nothing but a line about the cache."""
     monkeypatch.delenv("CURVEBOUND_CACHE")
     home = tmp_path / "home"
     home.write_text("")  # root may write to a folder without permission; to a file it may not
-    script = (
-        f"{QUICK}from curvebound.cli import main\n"
-        "raise SystemExit(main(['run', 'bead_on_wire', '--stop', '0.1', '--out', 'bead.csv']))\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        cwd=tmp_path,
-        env={**os.environ, "HOME": str(home), "XDG_CACHE_HOME": ""},
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setenv("XDG_CACHE_HOME", "")
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "bead_on_wire", "--stop", "0.1", "--out", "bead.csv"]) == 0
     assert (tmp_path / "bead.csv").is_file()
-    assert "There is no cache" in done.stderr
-    assert "Traceback" not in done.stderr
+    assert "There is no cache" in caplog.text
 
 
 def test_the_list_of_contents_is_plain(store: Path) -> None:

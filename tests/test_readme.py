@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from curvebound.cli import main
+from curvebound.cosim import load_scene, scene_names
 
 README = Path(__file__).parents[1] / "README.md"
 TEXT = README.read_text(encoding="utf-8")
@@ -29,18 +31,23 @@ def test_the_readme_shows_code() -> None:
 
 
 @pytest.mark.parametrize("number", range(len(BLOCKS)))
-def test_python_of_the_readme_runs(number: int, fmus: Path, tmp_path: Path) -> None:
+def test_python_of_the_readme_runs(
+    number: int,
+    fmus: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """Each block is a program of its own; it finds the FMUs in build/."""
     (tmp_path / "build").symlink_to(fmus)
     script = tmp_path / "block.py"
     script.write_text(BLOCKS[number], encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(script), run_name="__main__")
+    said = capsys.readouterr().out
     expected = re.findall(r"# prints (.*)$", BLOCKS[number], re.MULTILINE)
     for text in expected:
-        assert text in done.stdout
+        assert text in said
 
 
 def test_the_first_two_shell_blocks_are_one_line_each() -> None:
@@ -60,12 +67,20 @@ def in_a_shell(lines: str, folder: Path) -> None:
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr
 
 
+@pytest.mark.usefixtures("points_here")
 @pytest.mark.parametrize("number", range(len(COMMANDS)))
 def test_commands_of_the_readme_run(
-    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    number: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    request: pytest.FixtureRequest,
 ) -> None:
     pytest.importorskip("pyarrow")
     monkeypatch.chdir(tmp_path)
+    if "curvebound build" in COMMANDS[number]:
+        for name in scene_names():
+            load_scene(name).check()  # what the cache keeps has whole references
+        request.getfixturevalue("short_reference")
     for line in COMMANDS[number].strip().splitlines():
         program, *words = shlex.split(line, comments=True)
         assert program == "curvebound"

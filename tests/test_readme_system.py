@@ -46,7 +46,7 @@ def test_it_takes_thirty_lines_and_no_derivative_by_hand() -> None:
     assert not re.search(r"\bdiff|\bcos\(|acceleration", "".join(files().values()))
 
 
-@pytest.mark.usefixtures("interpreting")
+@pytest.mark.usefixtures("interpreting", "short_reference")
 def test_what_it_says_works(written: Path) -> None:
     for command in commands():
         if command[0] not in LONG:

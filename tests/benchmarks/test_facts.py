@@ -28,7 +28,10 @@ def test_drift_grows_with_the_fourth_power_of_the_step_and_the_square_of_time() 
     assert time == pytest.approx(2.0, abs=0.02)
 
 
-@pytest.mark.parametrize(("step", "falls_at"), [(1.0 / 60.0, 356.0), (1e-2, 989.0)])
+@pytest.mark.parametrize(
+    ("step", "falls_at"),
+    [(1.0 / 60.0, 356.0), pytest.param(1e-2, 989.0, marks=pytest.mark.slow)],
+)
 def test_the_unstabilised_bead_falls_into_the_centre(step: float, falls_at: float) -> None:
     assert fall_time(step, longest=falls_at + 5.0) == pytest.approx(falls_at, abs=0.5)
 
@@ -46,7 +49,7 @@ LIMITS = {
     (("parabola.coefficient_start", 50.0),): 4.9e-4,
     (("parabola.coefficient_start", 500.0),): 3.1e-5,
 }
-LONG = (1e-2, 1e-4, 1e-6, 50.0, 500.0)
+LONG = (1e-2, 1e-4, 1e-6, 5.0, 50.0, 500.0)
 
 
 @pytest.mark.parametrize(
@@ -61,7 +64,7 @@ LONG = (1e-2, 1e-4, 1e-6, 50.0, 500.0)
 )  # fmt: skip
 def test_what_rk4_can_hold(case: tuple[tuple[str, float], ...], limit: float) -> None:
     """The boundary is ragged by 30 %: where motion is irregular, chance says which steps hold."""
-    found = step_limit(dict(case), above=8.0 * limit)
+    found = step_limit(dict(case), above=3.0 * limit)
     assert limit / 1.5 < found < limit * 1.5
 
 

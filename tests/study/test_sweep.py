@@ -8,7 +8,6 @@ import multiprocessing
 import os
 import signal
 import sys
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,7 +19,7 @@ from curvebound.errors import CurveboundError
 from curvebound.study.sweep import Design, Metric, Sweep, axis, local
 from curvebound.study.sweep.cluster import run_on_cluster
 from curvebound.study.sweep.local import _Pool
-from curvebound.study.sweep.task import Point, Row, Task, run_points
+from curvebound.study.sweep.task import run_points
 
 DAMPING = "bead.bead.damping=0:1:{}"
 METRICS = ["final(bead.bead.y)", "max(abs(bead.bead.x))"]
@@ -136,18 +135,7 @@ def test_a_value_that_is_not_finite_is_named() -> None:
             axis(text)
 
 
-@pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Points are run in this process: starting a worker takes most of the time of a short sweep."""
-
-    def run(task: Task, points: Sequence[Point], workers: int) -> Iterator[list[Row]]:
-        for point in points:
-            yield run_points(task, [point])
-
-    monkeypatch.setattr("curvebound.study.sweep.engine.run_locally", run)
-
-
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("points_here")
 def test_an_interrupted_sweep_goes_on_and_ends_the_same(tmp_path: Path) -> None:
     whole = sweep(12).run(tmp_path / "whole.csv", workers=1)
     table = rows_of(whole.path)
@@ -209,7 +197,7 @@ def test_a_killed_worker_loses_no_point(monkeypatch: pytest.MonkeyPatch, start: 
     assert sorted(found) == list(range(40))
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("points_here")
 def test_parquet_holds_the_same_and_is_not_overwritten(tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     vary = "bead.wire.radius=-1:1:{}"
@@ -227,7 +215,7 @@ def test_parquet_holds_the_same_and_is_not_overwritten(tmp_path: Path) -> None:
         sweep(3, vary).run(tmp_path / "a.parquet", workers=1)
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("points_here")
 def test_an_interrupted_parquet_goes_on(tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     out = tmp_path / "a.parquet"
@@ -310,7 +298,7 @@ def test_a_killed_worker_of_a_cluster_loses_no_point(tmp_path: Path) -> None:
     assert alone.path.read_bytes() == result.path.read_bytes()
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("points_here")
 def test_a_second_sweep_into_one_file_is_refused(tmp_path: Path) -> None:
     out = tmp_path / "a.csv"
     refused: list[str] = []
@@ -326,7 +314,7 @@ def test_a_second_sweep_into_one_file_is_refused(tmp_path: Path) -> None:
     assert result.points == len(rows_of(out)) - 1 == 6
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("points_here")
 @pytest.mark.parametrize("loss", ["a row", "the file"])
 def test_rows_that_others_have_lost_are_missed(tmp_path: Path, loss: str) -> None:
     out = tmp_path / "a.csv"
