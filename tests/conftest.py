@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from harness import Extracted, Instance
-from source_copies import with_short_reference
+from source_copies import build_edited, copy_sources, declarations, with_short_reference
 
 from curvebound.fmi import compile as kernel
 from curvebound.fmi import documentation
@@ -133,6 +133,20 @@ def fmus(fmu_folder: Path) -> Path:
 def interpreted_fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of the three FMUs, built without compiling the kernel."""
     return shared(tmp_path_factory, "interpreted", partial(_built, compiled=False))
+
+
+def _edited(folder: Path) -> None:
+    package = copy_sources(folder)
+    source = declarations(package) / "bead_on_wire" / "base.py"
+    # too little for a warning
+    edits = {"built": (source, "kinetic = 0.5 *", "kinetic = 0.501 *")}
+    build_edited(package, folder, edits, "BeadOnWire")
+
+
+@pytest.fixture(scope="session")
+def edited_bead(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """BeadOnWire, interpreted, from sources whose kinetic energy is by 1.002 too large."""
+    return shared(tmp_path_factory, "edited", _edited) / "built" / "BeadOnWire.fmu"
 
 
 def _extracted(folder: Path) -> Iterator[dict[str, Extracted]]:

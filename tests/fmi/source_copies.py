@@ -27,9 +27,9 @@ from curvebound.fmi import documentation
 from curvebound.fmi.build import build
 from source_copies import replace_once, with_short_reference
 documentation.reference_result = with_short_reference(documentation.reference_result)
-for out, file, old, new, names in json.loads(sys.argv[1]):
+for out, file, old, new in json.loads(sys.argv[1]):
     replace_once(pathlib.Path(file), old, new)
-    for name in names:
+    for name in sys.argv[2:]:
         build(name, pathlib.Path(out), compiled=False)
 """
 
@@ -71,17 +71,17 @@ def build_from(
 
 
 def build_edited(
-    package: Path, out: Path, edits: dict[str, tuple[Path, str, str, tuple[str, ...]]]
+    package: Path, out: Path, edits: dict[str, tuple[Path, str, str]], *names: str
 ) -> None:
-    """Replace a text in a file, build the named FMUs into out/LABEL, go on with the next edit.
+    """Replace a text in a file, build FMUs into out/LABEL, and so on with the next edit.
 
     All in one process, which shall see each edit. The reference results are of one step.
     """
     todo = json.dumps(
-        [[str(out / label), str(file), *more] for label, (file, *more) in edits.items()]
+        [[str(out / label), str(file), *texts] for label, (file, *texts) in edits.items()]
     )
     done = subprocess.run(
-        [sys.executable, "-c", _EDITED, todo],
+        [sys.executable, "-c", _EDITED, todo, *names],
         env={**os.environ, "PYTHONPATH": f"{package.parent}{os.pathsep}{Path(__file__).parent}"},
         capture_output=True,
         text=True,

@@ -18,9 +18,11 @@ from source_copies import build_edited, build_from, copy_sources, declarations
 from curvebound import __date__
 from curvebound.errors import CurveboundError
 from curvebound.fmi import binaries
-from curvebound.fmi.build import _write, build
+from curvebound.fmi.build import _digest, _write, build
 from curvebound.fmi.compile import why_not
 from curvebound.fmi.description import timestamp
+from curvebound.fmi.folder import find
+from curvebound.fmi.runtime import runtime, system_sources
 
 NAMES = tuple(INTERFACE)
 
@@ -120,33 +122,32 @@ def test_the_guid_follows_the_content(interpreted_fmus, tmp_path) -> None:
     names = ("BeadOnWire", "ParabolaDrive")
     before = {name: guid(interpreted_fmus / f"{name}.fmu") for name in names}
     assert len(set(before.values())) == 2
-    own = declarations(package) / "bead_on_wire"
-    bead = names[:1]
+    system = declarations(package) / "bead_on_wire" / "base.py"
     edits = {
-        "system": (
-            own / "base.py",
-            "self.k = self.d / self.m",
-            "self.k = 1.0 * self.d / self.m",
-            bead,
-        ),
-        "declaration": (
-            own / "fmu.py",
-            '"mass of the bead (above zero)"',
-            '"mass (above zero)"',
-            bead,
-        ),
-        "drawing": (own / "drawing.py", '"wire.radius": "radius"', '"wire.radius": "size"', names),
-        "kernel": (package / "kernel" / "rk4.py", "0.5 * h", "0.50 * h", names),
+        "system": (system, "self.k = self.d / self.m", "self.k = 1.0 * self.d / self.m"),
+        "kernel": (package / "kernel" / "rk4.py", "0.5 * h", "0.50 * h"),
     }
-    build_edited(package, tmp_path, edits)
-    found = {name: [before[name]] for name in names}
-    for label, (*_, built) in edits.items():
-        for name in built:
-            found[name].append(guid(tmp_path / label / f"{name}.fmu"))
-    assert len(set(found["BeadOnWire"])) == 5
-    # every FMU carries the kernel that knows no system, and its own system, no other's
-    unedited, others_edited, kernel_edited = found["ParabolaDrive"]
-    assert unedited == others_edited != kernel_edited
+    build_edited(package, tmp_path, edits, *names)
+    for label in edits:
+        after = {name: guid(tmp_path / label / f"{name}.fmu") for name in names}
+        # every FMU carries the kernel that knows no system, and its own system, no other's
+        expected = list(names) if label == "kernel" else ["BeadOnWire"]
+        assert [name for name in names if after[name] != before[name]] == expected, label
+        before = after
+
+
+def test_the_digest_follows_each_part() -> None:
+    core, folder = runtime(), find("BeadOnWire")
+    own, stated = system_sources(folder, core), folder.statement()
+    assert {"declaration", "kernel", "base"} <= {module.split(".")[-1] for module in own.files}
+    digests = [_digest(core, own, drawing, stated) for drawing in (b"one", b"another")]
+    for module, text in own.files.items():
+        edited = own._replace(files={**own.files, module: f"{text}# edited"})
+        digests.append(_digest(core, edited, b"one", stated))
+    for name, source in stated.items():
+        digests.append(_digest(core, own, b"one", {**stated, name: source + b"# edited"}))
+    digests.append(_digest(core._replace(digest="edited"), own, b"one", stated))
+    assert len(set(digests)) == len(digests)
 
 
 @functools.cache  # most modules are in each FMU

@@ -12,24 +12,12 @@ from pathlib import Path
 import pytest
 from driven import MODELS, drive
 from harness import OK, Extracted, Instance
-from source_copies import build_edited, copy_sources, declarations
 
 NAMES = ["BeadOnWire", "ParabolaPendulum", "ParabolaDrive"]
 
 
-@pytest.fixture(scope="module")
-def other_version(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """BeadOnWire built, without compiling, from sources whose multiplier is twice as large."""
-    root = tmp_path_factory.mktemp("other")
-    package = copy_sources(root)
-    source = declarations(package) / "bead_on_wire" / "cartesian.py"
-    push = "return -self.m * push / pp"
-    build_edited(package, root, {"build": (source, push, f"{push} * 2.0", ("BeadOnWire",))})
-    return root / "build"
-
-
-def test_two_versions_in_one_process_run_their_own_code(extracted, other_version) -> None:
-    new = Extracted(other_version / "BeadOnWire.fmu")
+def test_two_versions_in_one_process_run_their_own_code(extracted, edited_bead) -> None:
+    new = Extracted(edited_bead)
     old = extracted["BeadOnWire"]
     assert new.guid != old.guid
     with Instance(old) as a, Instance(new) as b, Instance(old) as c, Instance(new) as d:
@@ -38,9 +26,9 @@ def test_two_versions_in_one_process_run_their_own_code(extracted, other_version
         for _ in range(20):
             for instance in (a, b, c, d):
                 drive(instance, 1, 0.02)
-            forces = [i["constraint.force"] for i in (a, b, c, d)]
-            assert forces[0] == forces[2] != 0.0
-            assert forces[1] == forces[3] == pytest.approx(2.0 * forces[0], rel=1e-12)
+            energies = [i["energy.kinetic"] for i in (a, b, c, d)]
+            assert energies[0] == energies[2] != 0.0
+            assert energies[1] == energies[3] == pytest.approx(1.002 * energies[0], rel=1e-12)
         # a saved state of the other version is not taken for one of ours
         data = a.serialized()
         bits = b.bits()

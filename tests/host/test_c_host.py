@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 from fmpy.fmi2 import FMU2Slave
-from source_copies import build_edited, copy_sources, declarations
 
 from curvebound.fmi.compile import why_not
 
@@ -262,19 +261,12 @@ def test_several_fmus_in_one_process(
 
 
 @pytest.fixture(scope="module")
-def two_builds(tmp_path_factory, unpack):
+def two_builds(interpreted_fmus, edited_bead, tmp_path_factory, unpack):
     """BeadOnWire as it is, and from sources with another factor in the kinetic energy."""
-    root = tmp_path_factory.mktemp("checkout")
-    package = copy_sources(root)
-    source = declarations(package) / "bead_on_wire" / "base.py"
-    bead = ("BeadOnWire",)
-    edits = {
-        "same": (source, "kinetic = 0.5 *", "kinetic = 0.500 *", bead),
-        # too little for the warning
-        "more": (source, "kinetic = 0.500 *", "kinetic = 0.501 *", bead),
-    }
-    build_edited(package, root, edits)
-    return [unpack(root / label / "BeadOnWire.fmu", root / label / "unpacked") for label in edits]
+    return [
+        unpack(path, tmp_path_factory.mktemp("bead"))
+        for path in (interpreted_fmus / "BeadOnWire.fmu", edited_bead)
+    ]
 
 
 def assert_own_results(own, other):
