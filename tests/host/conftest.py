@@ -149,16 +149,27 @@ def host_program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 Host = Callable[..., Answers]
 
 
+_LIBRARY = """
+from sysconfig import get_config_var
+print(get_config_var("LIBDIR"), get_config_var("INSTSONAME"), sep="/")
+"""
+
+
 @pytest.fixture(scope="session")
 def host(host_program: Path) -> Host:
     """Run commands in a fresh host process: host(commands, environment, program=..., check=True).
 
-    Words of a command are separated by spaces, or by tabs where it has any.
+    Words of a command are separated by spaces, or by tabs where it has any. Without an environment
+    it need not look for the system's Python, which takes a process each time.
     """
+    asked = subprocess.run(
+        ["python3", "-c", _LIBRARY], env=PLAIN, capture_output=True, text=True, check=True
+    )
+    known = {**PLAIN, "CURVEBOUND_PYTHON": asked.stdout.strip()}
 
     def run(
         commands: Sequence[str],
-        environment: Mapping[str, str] = PLAIN,
+        environment: Mapping[str, str] = known,
         *,
         program: Path = host_program,
         check: bool = True,

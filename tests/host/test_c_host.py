@@ -72,7 +72,7 @@ def in_fmpy(fmu, vrs, count=20):
 )
 def test_a_plain_environment_gives_fmpys_numbers(host, fmus, name):
     vrs = fmus[name].outputs()
-    result = host(whole_run(fmus[name], vrs))
+    result = host(whole_run(fmus[name], vrs), PLAIN)
     assert result.status == 0
     assert result.error == ""
     assert result.messages == []
