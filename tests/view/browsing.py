@@ -34,6 +34,7 @@ class Tab:
         self._browser = browser
         self._target = target
         self._session = session
+        self._size: dict[str, Any] = {}
         self.errors: list[str] = []
         self.requests: list[str] = []
 
@@ -63,15 +64,22 @@ class Tab:
         return answer["result"].get("value")
 
     def wait(self, condition: str) -> None:
-        """Wait until a JavaScript expression holds."""
+        """Wait until a JavaScript expression holds, which the page looks at itself."""
         end = time.monotonic() + _PATIENCE
         while not self._holds(condition):
             assert time.monotonic() < end, f"{condition} never held; the page said {self.errors}"
             time.sleep(0.02)
 
     def _holds(self, condition: str) -> bool:
+        """Whether it does within a second."""
+        look = (
+            "(async () => { for (const end = performance.now() + 1e3; ; ) {"
+            f"if ({condition}) return true;"
+            "if (performance.now() > end) return false;"
+            "await new Promise((done) => setTimeout(done, 20)); } })()"
+        )
         try:
-            return bool(self.run(f"Boolean({condition})"))
+            return bool(self.run(look))
         except AssertionError as error:
             # asked between two pages: ask the next one
             if "navigated" in str(error) or "properties of null" in str(error):
@@ -89,24 +97,28 @@ class Tab:
 
     def visit(self, address: str, *, ready: bool = True) -> None:
         """The same, of an address."""
-        # from a blank page: an address with a fragment that a tab already shows is not loaded again
-        self.leave()
+        path = urlparse(address).path
+        here = f"location.pathname === {json.dumps(path)}"
+        if self.run(here):  # another fragment of the address that is shown loads nothing
+            self.leave()
         self.call("Page.navigate", url=address)
-        # the blank page before it is complete too
-        here = f"location.pathname === {json.dumps(urlparse(address).path)}"
+        # the page before it is complete too
         self.wait(f"{here} && document.readyState === 'complete'")
         if ready:
             self.wait("document.documentElement.dataset.ready")
 
     def size(self, width: int, height: int, *, mobile: bool = False, ratio: float = 1) -> None:
-        self.call(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=ratio,
-            mobile=mobile,
-        )
+        size = {"width": width, "height": height, "mobile": mobile, "deviceScaleFactor": ratio}
+        if size == self._size:
+            return
+        screen = {"screenWidth": width, "screenHeight": height}
+        self.call("Emulation.setDeviceMetricsOverride", **size, **screen)
         self.call("Emulation.setTouchEmulationEnabled", enabled=mobile)
+        # the next page shall not be built in the size of this one
+        self.wait(
+            f"screen.width === {width} && screen.height === {height}&& devicePixelRatio === {ratio}"
+        )
+        self._size = size
 
     def dark(self, on: bool) -> None:
         value = "dark" if on else "light"

@@ -40,15 +40,22 @@ def kept_tab(browser: Browser) -> Tab:
     return browser.tab()
 
 
-@pytest.fixture
-def tab(kept_tab: Tab) -> Iterator[Tab]:
-    """A blank page: always in the same tab, as a new one takes a process of its own.
-
-    What stays with a tab (scripts for all of its pages) needs one from `new_tab`.
-    """
-    kept_tab.size(1280, 900)
-    kept_tab.dark(False)
-    kept_tab.errors.clear()
-    kept_tab.requests.clear()
+@pytest.fixture(scope="module")
+def module_tab(kept_tab: Tab) -> Iterator[Tab]:
+    """The same, left when the tests of a file are done: a page costs something at rest, too."""
     yield kept_tab
     kept_tab.leave()
+
+
+@pytest.fixture
+def tab(module_tab: Tab, request: pytest.FixtureRequest) -> Tab:
+    """A page to open others in: always the same tab, as a new one takes a process of its own.
+
+    Small, as each pixel costs, unless the module's SIZE says otherwise. What stays with a tab
+    (scripts for all of its pages) needs one from `new_tab`.
+    """
+    module_tab.size(*getattr(request.module, "SIZE", (800, 600)))
+    module_tab.dark(False)
+    module_tab.errors.clear()
+    module_tab.requests.clear()
+    return module_tab

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 from browsing import Tab
 
 #: least contrast of text (WCAG 2.1), and least size of letters in px
@@ -44,8 +45,12 @@ _FAINT = """(() => {
 
 #: the pictures of a page, without those of the theme that is not shown
 SHOWN = "[...document.images].filter((image) => image.getClientRects().length)"
-#: each way of looking at a page: width, height, dark
-VIEWS = [(1280, 900, False), (1280, 900, True), (390, 844, False), (390, 844, True)]
+#: each way of looking at a page: width, height, dark; `look` sees both themes in either
+VIEWS = [(1280, 900, False), (390, 844, True), (1280, 900, True), (390, 844, False)]
+#: the parameter `view`: all of them, by default the first two
+VIEWED = pytest.mark.parametrize(
+    "view", [*VIEWS[:2], *(pytest.param(view, marks=pytest.mark.slow) for view in VIEWS[2:])]
+)
 
 
 def faint(tab: Tab, letters: float = LETTERS) -> list[str]:

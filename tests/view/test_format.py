@@ -87,27 +87,22 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_replay([("long", bead(10.0, 0.05)), ("short", bead(4.0, 0.05))], out)
 
 
-@pytest.mark.parametrize(
-    ("window", "factor", "about", "expected"),
-    [
-        ((0, 10), 2, 5.0, (2.5, 7.5)),
-        ((0, 10), 2, 1.0, (0.5, 5.5)),
-        ((2, 6), 0.5, 3.0, (1.0, 9.0)),
-        ((5, 10), 5 / 6, 5.0, (4.0, 10.0)),
-        ((0, 5), 5 / 6, 5.0, (0.0, 6.0)),
-        ((2, 6), 0.1, 3.0, (0.0, 10.0)),
-        ((2, 6), 1e12, 3.0, (2.0, 6.0)),
-    ],
-)
-def test_zoom_of_the_time_axis(
-    tab: Tab, page: Path, window: Any, factor: float, about: float, expected: Any
-) -> None:
+def test_zoom_of_the_time_axis(tab: Tab, page: Path) -> None:
     tab.open(page)
-    # the window follows the time shown
-    tab.run(f"curvebound.player.seek({about})")
-    tab.run(f"curvebound.setWindow({window[0]}, {window[1]})")
-    tab.run(f"curvebound.zoomTime({factor})")
-    assert tab.run("curvebound.window") == pytest.approx(list(expected))
+    for window, factor, about, expected in (
+        ((0, 10), 2, 5.0, [2.5, 7.5]),
+        ((0, 10), 2, 1.0, [0.5, 5.5]),
+        ((2, 6), 0.5, 3.0, [1.0, 9.0]),
+        ((5, 10), 5 / 6, 5.0, [4.0, 10.0]),
+        ((0, 5), 5 / 6, 5.0, [0.0, 6.0]),
+        ((2, 6), 0.1, 3.0, [0.0, 10.0]),
+        ((2, 6), 1e12, 3.0, [2.0, 6.0]),
+    ):
+        # the window follows the time shown
+        tab.run(f"curvebound.player.seek({about})")
+        tab.run(f"curvebound.setWindow({window[0]}, {window[1]})")
+        tab.run(f"curvebound.zoomTime({factor})")
+        assert tab.run("curvebound.window") == pytest.approx(expected), (window, factor, about)
 
 
 def test_a_result_that_is_over_says_so(tab: Tab, page: Path) -> None:

@@ -10,7 +10,7 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 from browsing import Tab
-from legible import SHOWN, VIEWS, choose, look
+from legible import SHOWN, VIEWED, choose, look
 from motions import bead
 from PIL import Image
 
@@ -86,21 +86,30 @@ def test_in_the_browser(tab: Tab, gallery: Path) -> None:
     assert tab.run("curvebound.model.results[0].label") == "bead"
 
 
-def test_it_is_read_on_any_screen(tab: Tab, gallery: Path) -> None:
+@VIEWED
+def test_it_is_read_on_any_screen(tab: Tab, gallery: Path, view: tuple[int, int, bool]) -> None:
     """Letters of a picture, drawn at 7 points for the width of a phone, keep their size."""
-    for view in VIEWS:
-        look(tab, gallery, view)
-        tab.run(f"{SHOWN}[0].scrollIntoView()")
-        tab.wait(f"{SHOWN}[0].naturalWidth")
-        image = tab.run(f"{SHOWN}[0].getBoundingClientRect().toJSON()")
-        pixels_per_inch = 200
-        inches = tab.run(f"{SHOWN}[0].naturalWidth") / pixels_per_inch
-        assert image["width"] > 0.9 * inches * 96
-        assert image["right"] <= view[0]
+    look(tab, gallery, view)
+    tab.run(f"{SHOWN}[0].scrollIntoView()")
+    tab.wait(f"{SHOWN}[0].naturalWidth")
+    image = tab.run(f"{SHOWN}[0].getBoundingClientRect().toJSON()")
+    pixels_per_inch = 200
+    inches = tab.run(f"{SHOWN}[0].naturalWidth") / pixels_per_inch
+    assert image["width"] > 0.9 * inches * 96
+    assert image["right"] <= view[0]
 
 
-@pytest.mark.parametrize("choice", ["", "light", "dark"])
-@pytest.mark.parametrize("system", [False, True])
+@pytest.mark.parametrize(
+    ("system", "choice"),
+    [
+        (False, ""),
+        (True, ""),
+        (False, "dark"),
+        (True, "light"),
+        pytest.param(False, "light", marks=pytest.mark.slow),
+        pytest.param(True, "dark", marks=pytest.mark.slow),
+    ],
+)
 def test_pictures_follow_the_theme(tab: Tab, gallery: Path, system: bool, choice: str) -> None:
     """On its paper, in inks that are read: the letters' and the first body's stand out from it."""
     tab.dark(system)

@@ -37,6 +37,7 @@ def ends(tab: Tab) -> list[float]:
 
 
 def test_a_y_axis_is_zoomed_and_moved_by_hand(tab: Tab, pages: dict[str, Path]) -> None:
+    tab.size(1280, 900)
     tab.open(pages["one"])
     low, high = ends(tab)
     left, top, width, height = tab.run(

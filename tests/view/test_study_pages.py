@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browsing import Tab
-from legible import VIEWS, boxes, look
+from legible import VIEWED, boxes, look
 
 from curvebound.pages import palette
 from curvebound.study.precision.live_measures import points
@@ -74,16 +74,18 @@ def stability(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_map(request, maps, "bead_on_wire", "m", tmp_path_factory.mktemp("maps"))
 
 
-def test_a_study_is_read_on_any_screen(tab: Tab, study: Path) -> None:
-    for view in VIEWS:
-        look(tab, study, view)
-        check_figures(tab, view, count=2)
+@VIEWED
+def test_a_study_is_read_on_any_screen(tab: Tab, study: Path, view: tuple[int, int, bool]) -> None:
+    look(tab, study, view)
+    check_figures(tab, view, count=2)
 
 
-def test_a_map_is_read_on_any_screen(tab: Tab, stability: Path) -> None:
-    for view in VIEWS:
-        look(tab, stability, view)
-        check_figures(tab, view, count=1)
+@VIEWED
+def test_a_map_is_read_on_any_screen(
+    tab: Tab, stability: Path, view: tuple[int, int, bool]
+) -> None:
+    look(tab, stability, view)
+    check_figures(tab, view, count=1)
 
 
 def check_figures(tab: Tab, view: tuple[int, int, bool], count: int) -> None:

@@ -41,6 +41,7 @@ RECORD = """(() => {
     };
   }
 })()"""
+SIZE = (1280, 900)
 #: what is done before time 1.3 is drawn
 DEEDS = {
     "as it opens": "",

@@ -101,7 +101,7 @@ def test_it_runs_without_an_error_and_asks_nobody_else(
     while len(paces) < 10 and (not paces or abs(paces[-1] - 1.0) > 0.1):
         # on a busy machine it falls behind, and catches up later
         before = tab.run("[performance.now() / 1000, curvebound.time]")
-        time.sleep(2.0)
+        time.sleep(0.5)
         after = tab.run("[performance.now() / 1000, curvebound.time]")
         paces.append((after[1] - before[1]) / (after[0] - before[0]))
     assert abs(paces[-1] - 1.0) <= 0.1, paces
