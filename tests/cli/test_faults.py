@@ -11,20 +11,10 @@ from pathlib import Path
 import pytest
 
 from curvebound.cli import main
+from curvebound.cosim import load_scene
+from curvebound.cosim.fmu import extracted
 
 CALL = [sys.executable, "-m", "curvebound"]
-#: as CALL, where no file may grow beyond so many bytes; with -B, as bytecode cut short would stay
-LIMITED = (
-    "import resource, sys\n"
-    "limit = int(sys.argv.pop(1))\n"
-    "from curvebound.cosim import load_scene\n"
-    "load_scene('bead_on_wire').check()\n"  # builds the FMU, which is larger
-    "import curvebound.cosim.fmu as fmu\n"
-    "fmu.extracted(load_scene('bead_on_wire').check().nodes['bead'].fmu)\n"
-    "resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))\n"
-    "from curvebound.cli import main\n"
-    "raise SystemExit(main(sys.argv[1:]))\n"
-)
 
 
 def heard(done: subprocess.CompletedProcess[str]) -> str:
@@ -77,14 +67,21 @@ def test_names_that_the_terminal_cannot_show(tmp_path: Path) -> None:
     ids=["run", "replay", "ssp", "sweep"],
 )  # fmt: skip
 def test_a_disk_that_fills_up(
-    words: list[str], limit: int, left: list[str], tmp_path: Path
-) -> None:
-    done = subprocess.run(
-        [sys.executable, "-B", "-c", LIMITED, str(limit), *words],
-        capture_output=True, text=True, cwd=tmp_path,
-    )  # fmt: skip
-    assert done.returncode == 2, done.stderr
-    assert "cannot be written: File too large" in heard(done)
+    words: list[str], limit: int, left: list[str], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """No file may grow beyond so many bytes."""
+    resource = pytest.importorskip("resource", reason="no limits here")
+    extracted(load_scene("bead_on_wire").check().nodes["bead"].fmu)  # which is larger
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # cut short it would stay
+    monkeypatch.chdir(tmp_path)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
+    try:
+        assert main(words) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert "cannot be written: File too large" in " ".join(capsys.readouterr().err.split())
     assert sorted(path.name for path in tmp_path.iterdir()) == left
     for name in left[:1]:
         text = (tmp_path / name).read_text()
@@ -159,7 +156,6 @@ def test_a_table_that_is_odd(
 )
 def test_a_journal_that_is_none_begins_anew(journal: str, tmp_path: Path) -> None:
     pytest.importorskip("mpmath")
-    from curvebound.cosim import load_scene
     from curvebound.study.precision.study import Study
 
     path = tmp_path / "study.jsonl"

@@ -14,7 +14,7 @@ from curvebound.fmi.folder import find
 from curvebound.view.actors import find_actors
 
 
-@pytest.mark.usefixtures("interpreting")
+@pytest.mark.usefixtures("interpreting", "short_reference")
 @pytest.mark.parametrize("dof", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_new_system_builds_runs_and_is_drawn_at_once(dof: int, tmp_path: Path, capsys) -> None:
     folder = tmp_path / "my_system"

@@ -34,7 +34,7 @@ def loaded(*words: str) -> set[str]:
 @pytest.mark.parametrize(
     ("words", "allowed"),
     [
-        ((), ()),
+        pytest.param((), (), marks=pytest.mark.slow),
         pytest.param(("--help",), (), marks=pytest.mark.slow),
         pytest.param(("--version",), (), marks=pytest.mark.slow),
         pytest.param(("run", "--help"), (), marks=pytest.mark.slow),
