@@ -52,14 +52,11 @@ def test_names_that_the_terminal_cannot_show(tmp_path: Path) -> None:
     ("words", "limit", "left"),
     [
         (["run", "bead_on_wire", "--out", "r.csv"], 100_000, []),
-        pytest.param(
-            ["run", "bead_on_wire", "--stop", "1", "--replay", "r.html"], 50_000, [],
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(["ssp", "bead_on_wire"], 50_000, [], marks=pytest.mark.slow),
+        (["run", "bead_on_wire", "--stop", "1", "--replay", "r.html"], 50_000, []),
+        (["ssp", "bead_on_wire"], 50_000, []),
         (
             ["sweep", "bead_on_wire", "--set", "stop_time=0.1", "--workers", "1", "--out", "s.csv",
-             "--vary", "bead.bead.damping=0:1:400", "--metric", "final(bead.bead.y)"],
+             "--vary", "bead.bead.damping=0:1:100", "--metric", "final(bead.bead.y)"],
             4000,
             ["s.csv", "s.csv.sweep.json"],
         ),

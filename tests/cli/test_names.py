@@ -38,7 +38,9 @@ def test_different_names_have_different_files_and_plain_ones_their_own(tmp_path:
         assert inside(tmp_path, plain) == tmp_path / plain
 
 
-@pytest.fixture(params=["../../../X", "/tmp/curvebound-abs/X"])
+@pytest.fixture(
+    params=["../../../X", pytest.param("/tmp/curvebound-abs/X", marks=pytest.mark.slow)]
+)
 def hostile(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     """An SSP whose system bears such a name."""
     folder = tmp_path / "in"

@@ -21,9 +21,9 @@ from curvebound.cli import main, tune
         ["show", "inverted_balance"], ["show", "inverted_balance", "--json"],
         ["show", "sampled_feedback"], ["show", "bead_on_wire", "--json"],
         ["show", "two_wires"], ["show", "shaken_wire"],
-        ["show", "bead.damping"], ["show", "model.formulation", "--json"],
-        ["show", "model.formulation"],
-        ["show", "slider.fx"], ["show", "pendulum.angle"], ["show", "solver.tolerance"],
+        ["show", "model.formulation", "--json"], ["show", "model.formulation"],
+        *(pytest.param(["show", name], marks=pytest.mark.slow)
+          for name in ("bead.damping", "slider.fx", "pendulum.angle", "solver.tolerance")),
         ["linearize", "active_damping"], ["linearize", "active_damping", "--json"],
         ["linearize", "inverted_balance"],
     ],
