@@ -54,7 +54,7 @@ def test_the_benchmark_position() -> None:
 
 @pytest.mark.parametrize("number", [i for i, one in enumerate(SETTINGS) if one[3]])
 def test_the_settings_to_use_hold_a_millionth(number: int) -> None:
-    one = run_one(number, stop=100.0)
+    one = run_one(number, stop=40.0)
     assert one.good, one
     assert one.energy < 1e-8
 

@@ -120,10 +120,10 @@ def last_stable(gain) -> float:
     """The sample period (s) at which the sampled loop loses its stability."""
     low, high = 0.01, 2.0
     assert radius(sampled(gain, low)) < 1.0 < radius(sampled(gain, high))
-    periods = np.linspace(low, high, 400)
+    periods = np.linspace(low, high, 100)
     high = next(h for h in periods if radius(sampled(gain, h)) > 1.0)
     low = high - (periods[1] - periods[0])
-    for _ in range(40):
+    for _ in range(20):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if radius(sampled(gain, middle)) < 1.0 else (low, middle)
     return low

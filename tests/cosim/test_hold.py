@@ -20,7 +20,7 @@ OMEGA = 2.0 * math.sqrt(9.81)
 
 def shaken_wire() -> Scene:
     """The scene of that name with the drive as it is, not half a step ahead."""
-    scene = Scene("shaken", stop_time=4.0, step=0.01)
+    scene = Scene("shaken", stop_time=2.0, step=0.01)
     start = {"model.formulation": "angle", "bead.angle_start": 0.05, "solver.method": "adaptive"}
     scene.add("bead", "BeadOnWire", {**start, "solver.tolerance": 1e-12})
     scene.input("bead.wire.ay", lambda t: 0.05 * OMEGA * OMEGA * math.cos(OMEGA * t))

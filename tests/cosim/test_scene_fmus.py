@@ -25,7 +25,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_they_run_the_scene_without_being_told_its_start_values(built: Path) -> None:
     own = load_scene("inverted_balance")
-    own.stop_time = 6.0
+    own.stop_time = 2.0
     expected = own.run()
     scene = own.copy()
     for name, component in scene.components.items():

@@ -33,11 +33,11 @@ def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_what_is_kept_is_what_was_computed(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     changes = {"plant.slider.u_start": np.array([0.4, 0.5, 0.6])}
-    system = short().check()
+    system = short(0.1).check()
     first = refer(system, PATHS, changes=changes)
     monkeypatch.setattr(reference, "collocate", None)  # it cannot be computed again
     again = refer(system, PATHS, changes=changes)
-    times = np.linspace(0.0, 0.3, 77)
+    times = np.linspace(0.0, 0.1, 77)
     for path in PATHS:
         assert np.array_equal(first.values(times)[path], again.values(times)[path])
         assert np.array_equal(first.uncertainty(path, times), again.uncertainty(path, times))
