@@ -18,6 +18,7 @@ from curvebound.checking.fmu import FmuCheck
 from curvebound.checking.request import Request
 from curvebound.checking.run import check
 from curvebound.cli import main
+from curvebound.cosim.instance import Instance
 
 Make = Callable[[str], Path]
 
@@ -32,12 +33,12 @@ def told(path: Path, until: str = "", **request: object) -> dict[str, tuple[str,
     return found
 
 
-def told_apart(path: Path, until: str, **request: float) -> dict[str, tuple[str, str]]:
+def told_apart(path: Path, until: str) -> dict[str, tuple[str, str]]:
     """The same in a process of its own: two FMUs of the same names share modules in one."""
     script = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         "import json, pathlib, test_check\n"
-        f"print(json.dumps(test_check.told(pathlib.Path({str(path)!r}), {until!r}, **{request})))\n"
+        f"print(json.dumps(test_check.told(pathlib.Path({str(path)!r}), {until!r})))\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -64,12 +65,20 @@ def test_ours_pass(name: str, fmus: Path) -> None:
         assert "implicit 1" in found["methods"][1]
 
 
+@pytest.mark.slow
 def test_ours_with_a_changed_equation(interpreted_fmus: Path, changed: Callable) -> None:
     path = changed(
         interpreted_fmus / "BeadOnWire.fmu", "cartesian.py",
         "self.a1 = ey - factor * q1", "self.a1 = 1.001 * ey - factor * q1",
     )  # fmt: skip
     found = told_apart(path, "against_reference")
+    assert failures(found) == ["against_reference"]
+    assert "the start is right, so the equations" in found["against_reference"][1]
+
+
+def test_ours_with_a_changed_reference(fmus: Path, changed: Callable) -> None:
+    path = changed(fmus / "BeadOnWire.fmu", "/reference.csv", "\n0.01,0.999999", "\n0.01,0.998999")
+    found = told(path, "against_reference")
     assert failures(found) == ["against_reference"]
     assert "the start is right, so the equations" in found["against_reference"][1]
 
@@ -81,11 +90,20 @@ def test_ours_with_a_wrong_start(fmus: Path, changed: Callable) -> None:
     assert "starts at 1.0, the description says 2.0" in found["starts"][1]
 
 
+def test_ours_that_restores_nothing(fmus: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Instance, "restore", lambda self: None)
+    found = told(fmus / "BeadOnWire.fmu", "states", stop=0.1)
+    assert failures(found) == ["states"]
+    assert found["states"][1].startswith("explicit_euler: ")
+    assert "when the state is restored" in found["states"][1]
+
+
+@pytest.mark.slow
 def test_ours_with_a_broken_restore(interpreted_fmus: Path, changed: Callable) -> None:
     path = changed(
         interpreted_fmus / "BeadOnWire.fmu", "plant.py", "self.model.set_state(state[0])", "pass"
     )
-    found = told_apart(path, "states", stop=1.0)
+    found = told_apart(path, "states")
     assert failures(found) == ["states"]
     assert "when the state is restored" in found["states"][1]
 
