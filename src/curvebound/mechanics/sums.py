@@ -8,6 +8,7 @@ may be of any ratio, and rounding of one must not reach the other.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 import sympy
 from sympy import Expr, Integer, Symbol
@@ -23,6 +24,7 @@ Key = tuple[Expr, str]
 _LARGE = 60
 
 
+@lru_cache(maxsize=1024)  # of one system a third are asked for again
 def shorter(expression: Expr) -> Expr:
     """The shortest of a few forms of an expression of trigonometric polynomials."""
     expression = sympy.sympify(expression)
