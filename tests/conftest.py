@@ -101,6 +101,12 @@ def short_reference(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def one_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What this process builds of the package's own systems shares their reference results."""
+    monkeypatch.setattr(documentation, "reference_result", lambda fmu: _reference(fmu.name))
+
+
+@pytest.fixture
 def points_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Points of sweeps are run in this process: starting workers takes most of a short one."""
 

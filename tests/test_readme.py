@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 from curvebound.cli import main
-from curvebound.cosim import load_scene
 
 README = Path(__file__).parents[1] / "README.md"
 TEXT = README.read_text(encoding="utf-8")
@@ -67,20 +66,15 @@ def in_a_shell(lines: str, folder: Path) -> None:
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr
 
 
-@pytest.mark.usefixtures("points_here")
+@pytest.mark.usefixtures("points_here", "one_reference")
 @pytest.mark.parametrize("number", range(len(COMMANDS)))
 def test_commands_of_the_readme_run(
     number: int,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    request: pytest.FixtureRequest,
 ) -> None:
     pytest.importorskip("pyarrow")
     monkeypatch.chdir(tmp_path)
-    if "curvebound build" in COMMANDS[number]:
-        for name in re.findall(r"--for (\S+)", COMMANDS[number]):
-            load_scene(name).check()  # what the cache keeps has whole references
-        request.getfixturevalue("short_reference")
     for line in COMMANDS[number].strip().splitlines():
         program, *words = shlex.split(line, comments=True)
         assert program == "curvebound"

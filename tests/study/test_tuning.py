@@ -232,6 +232,7 @@ def test_a_study_resumes_and_finds_the_order(
         ]
 
     monkeypatch.setattr("curvebound.study.precision.study.grid", few)
+    monkeypatch.setattr("curvebound.study.precision.repeated_timing._ROUNDS", 1)
     scene = load_scene("bead_on_wire")
     scene.stop_time = 0.5
     journal = tmp_path / "study.jsonl"
