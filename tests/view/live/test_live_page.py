@@ -169,7 +169,14 @@ def test_dragging_pulls_through_the_inputs(
     tab.wait("!curvebound.state.playing")
     x, y = pixel(tab, bob)
     if mobile:
+        tab.run(
+            "document.addEventListener('touchstart', (event) => window.held = event.defaultPrevented)"
+        )
+        tab.touch("touchStart", (x + 120, y - 120))
+        tab.touch("touchEnd")
+        assert tab.run("window.held") is False, "beside a grip the page scrolls"
         tab.touch("touchStart", (x, y))
+        assert tab.run("window.held") is True
         tab.touch("touchMove", (x + 60, y - 30))
     else:
         tab.mouse("mousePressed", x, y, button="left", clickCount=1)
