@@ -118,7 +118,7 @@ def test_forces_obey_newtons_law(
     bead_mechanics: Any,
     outputs: Any,
 ) -> None:
-    for _ in range(10):
+    for _ in range(6):
         made = case(rng, terms)
         got = outputs(started(choices, made))
         v = bead_mechanics.with_acceleration(by_symbol(made, 0.0))
@@ -145,7 +145,7 @@ def test_energy_changes_by_power(
     bead_mechanics: Any,
     outputs: Any,
 ) -> None:
-    for _ in range(10):
+    for _ in range(6):
         made = case(rng, terms)
         model = started(choices, made)
         out = outputs(model)
@@ -190,7 +190,7 @@ def test_cartesian_form_off_the_wire_and_its_jacobian(
     terms: tuple[str, ...], choices: dict[str, int], rng: random.Random, outputs: Any
 ) -> None:
     equations = multiplier_equations()
-    for _ in range(10):
+    for _ in range(6):
         made = case(rng, terms)
         model = started(choices, made)
         model.q0, model.q1, model.v0, model.v1 = (rng.uniform(-3.0, 3.0) for _ in range(4))

@@ -214,7 +214,7 @@ def test_forces_obey_newtons_law(
     parabola_mechanics: Any,
     outputs: Any,
 ) -> None:
-    for _ in range(10):
+    for _ in range(6):
         made = case(rng, terms, **fixed)
         model = started(NONLINEAR, made)
         got = outputs(model)
@@ -243,7 +243,7 @@ def test_forces_obey_newtons_law(
 def test_linear_forces_obey_newtons_law_for_the_linear_motion(
     terms: tuple[str, ...], rng: random.Random, linear_mechanics: Any, outputs: Any
 ) -> None:
-    for _ in range(10):
+    for _ in range(6):
         made = case(rng, terms)
         got = outputs(started(LINEAR, made))
         v = linear_mechanics.with_acceleration(by_symbol(made, 0.0))
@@ -271,7 +271,7 @@ def test_energy_changes_by_power(
 ) -> None:
     name = "parabola_mechanics" if fidelity == "nonlinear" else "linear_mechanics"
     mechanics = request.getfixturevalue(name)
-    for _ in range(10):
+    for _ in range(6):
         made = case(rng, terms)
         model = started(NONLINEAR if fidelity == "nonlinear" else LINEAR, made)
         now = mechanics.arguments(by_symbol(made, 0.0))

@@ -34,7 +34,7 @@ def test_error_keeps_to_the_tolerance_at_bounded_work(system: type[Oscillator]) 
 
 @pytest.mark.parametrize(
     ("system", "count"),
-    [*((system, 4) for system in SYSTEMS), pytest.param(Sliding, 10, marks=pytest.mark.slow)],
+    [(Oscillator, 4), (Pendulum, 4), pytest.param(Sliding, 10, marks=pytest.mark.slow)],
 )
 def test_error_follows_the_tolerance(system: type[Oscillator], count: int) -> None:
     """On average over a decade, for single errors vary with the last step's luck."""

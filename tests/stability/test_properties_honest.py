@@ -25,7 +25,7 @@ steps = st.floats(-12.0, 9.0).map(lambda x: 10.0**x) | st.floats(
 ).map(math.exp)
 
 
-@counts(25, 500)
+@counts(12, 500)
 @pytest.mark.parametrize("system", FMUS)
 def test_finite_or_refused_in_bounded_work(system: str, count: int) -> None:
     def check(values: dict[str, float], step: float) -> None:
@@ -46,7 +46,7 @@ def test_finite_or_refused_in_bounded_work(system: str, count: int) -> None:
     holds(count, check, whole(system), steps)
 
 
-@counts(10, 200)
+@counts(6, 200)
 @pytest.mark.parametrize("system", FMUS)
 def test_the_same_calls_give_the_same_bits(system: str, count: int) -> None:
     def check(values: dict[str, float], step: float) -> None:
