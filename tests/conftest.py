@@ -143,16 +143,29 @@ def interpreted_fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _edited(folder: Path) -> None:
     package = copy_sources(folder)
-    source = declarations(package) / "bead_on_wire" / "base.py"
-    # too little for a warning
-    edits = {"built": (source, "kinetic = 0.5 *", "kinetic = 0.501 *")}
-    build_edited(package, folder, edits, "BeadOnWire")
+    system = declarations(package) / "bead_on_wire" / "base.py"
+    edits = {
+        # too little for a warning
+        "system": (system, "kinetic = 0.5 *", "kinetic = 0.501 *"),
+        "kernel": (package / "kernel" / "rk4.py", "0.5 * h", "0.50 * h"),
+    }
+    build_edited(package, folder, edits, "BeadOnWire", "ParabolaDrive")
 
 
 @pytest.fixture(scope="session")
-def edited_bead(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """BeadOnWire, interpreted, from sources whose kinetic energy is by 1.002 too large."""
-    return shared(tmp_path_factory, "edited", _edited) / "built" / "BeadOnWire.fmu"
+def edited(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Bead and drive, interpreted, from edited sources: the folders `system` and `kernel`.
+
+    In both the kinetic energy of the bead is by 1.002 too large, in `kernel` a text of all FMUs'
+    kernel has changed as well.
+    """
+    return shared(tmp_path_factory, "edited", _edited)
+
+
+@pytest.fixture(scope="session")
+def edited_bead(edited: Path) -> Path:
+    """The bead whose kinetic energy is by 1.002 too large."""
+    return edited / "system" / "BeadOnWire.fmu"
 
 
 def _extracted(folder: Path) -> Iterator[dict[str, Extracted]]:
