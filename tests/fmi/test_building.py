@@ -48,6 +48,7 @@ def same_files(one: Path, other: Path) -> None:
 ONE_AND_ALL = ("BeadOnWire", *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[1:]))
 
 
+@pytest.mark.usefixtures("one_reference")
 @pytest.mark.parametrize("name", ONE_AND_ALL)
 def test_twice_the_same_bytes(fmus, tmp_path, name: str) -> None:
     compiled = build(name, tmp_path / "compiled", compiled=not why_not())
