@@ -170,7 +170,8 @@ def test_dragging_pulls_through_the_inputs(
     x, y = pixel(tab, bob)
     if mobile:
         tab.run(
-            "document.addEventListener('touchstart', (event) => window.held = event.defaultPrevented)"
+            "document.addEventListener('touchstart', "
+            "(event) => window.held = event.defaultPrevented)"
         )
         tab.touch("touchStart", (x + 120, y - 120))
         tab.touch("touchEnd")
