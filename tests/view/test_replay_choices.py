@@ -60,6 +60,20 @@ def test_the_legend_hides_runs_and_series(tab: Tab, page: Path) -> None:
     assert tab.errors == []
 
 
+def test_plots_are_shown_as_chosen(tab: Tab, page: Path) -> None:
+    tab.open(page)
+    shown = "curvebound.plots.map(({ element }) => !element.hidden)"
+    before = tab.run(shown)
+    boxes = "[...document.getElementById('chooser').querySelectorAll('input')]"
+    assert tab.run(f"{boxes}.map((box) => box.checked)") == before
+    for k in (before.index(True), before.index(False)):
+        tab.run(f"{boxes}[{k}].click()")
+        assert tab.run(shown) == [on != (i == k) for i, on in enumerate(before)]
+        tab.run(f"{boxes}[{k}].click()")
+        assert tab.run(shown) == before
+    assert tab.errors == []
+
+
 def test_degrees_on_demand(tab: Tab, page: Path) -> None:
     tab.open(page)
     tab.run("curvebound.player.seek(1); curvebound.told = -Infinity")
