@@ -96,7 +96,8 @@ def test_a_choice_for_programs_is_one_that_they_can_make(
     script = tmp_path / "short.py"
     script.write_text(
         "from curvebound.cosim import load_scene\n"
-        "scene = load_scene('bead_on_wire')\nscene.stop_time = 1.0\n"
+        "scene = load_scene('bead_on_wire')\n"
+        "scene.set('stop_time', 1.0).set('bead.bead.damping', 0.1)\n"
     )
     words = ["tune", str(script), "--error", "bead.bead.x=1e-3", "--json"]
     keep = ["bead.model.formulation=angle"]
