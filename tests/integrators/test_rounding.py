@@ -9,9 +9,13 @@ from typing import Any
 import pytest
 from benchmarks.ours import interpreted_kernel
 
+# test modules are imported without packages (importmode=importlib); their helpers live here
+from small_models import Oscillator
+
 from curvebound.kernel.adaptive import Adaptive
 from curvebound.kernel.base import Model
 from curvebound.kernel.method import DONE
+from curvebound.kernel.rounding import Rounding
 
 KERNEL = interpreted_kernel()
 
@@ -339,3 +343,20 @@ def test_damping_explains_short_steps_that_rounding_shortens_further() -> None:
         },
     )
     assert run(model, 400.0, 100.0, 1.3e-08).steps < 300
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "noise", "doubt"),
+    [(4.0, 2e-3, 0.0), (-4.0, 2e-3, 2e-3), (4.0, 5e-4, 5e-4), (-4.0, 5e-4, 5e-4)],
+)
+def test_a_rest_that_trembles_is_one_where_nothing_grows(
+    stiffness: float, noise: float, doubt: float
+) -> None:
+    """Of rates up to 1, a step of 1 s: from 1e-3 on they are rounding, at a stable rest."""
+    model = Oscillator()
+    model.k0 = stiffness
+    rounding = Rounding()
+    rounding.fast0 = rounding.size0 = 1.0
+    rounding.noise0 = noise
+    rounding.note_noise(model, 0.0, 1.0)
+    assert rounding.doubt == doubt
