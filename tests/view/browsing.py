@@ -24,6 +24,8 @@ FLAGS = (
     "--force-device-scale-factor=1",
     "--hide-scrollbars",
 )
+#: JavaScript: when two more frames have been drawn
+NEXT = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))"
 _PATIENCE = 30.0  # s
 
 
@@ -35,6 +37,7 @@ class Tab:
         self._target = target
         self._session = session
         self._size: dict[str, Any] = {}
+        self._sized = "true"  # whether the page has that size, in JavaScript
         self.errors: list[str] = []
         self.requests: list[str] = []
 
@@ -106,6 +109,9 @@ class Tab:
         self.wait(f"{here} && document.readyState === 'complete'")
         if ready:
             self.wait("document.documentElement.dataset.ready")
+        # in the size that was asked for, and what follows from it drawn
+        self.wait(self._sized)
+        self.run(f"document.hidden || {NEXT}")
 
     def size(self, width: int, height: int, *, mobile: bool = False, ratio: float = 1) -> None:
         size = {"width": width, "height": height, "mobile": mobile, "deviceScaleFactor": ratio}
@@ -114,10 +120,11 @@ class Tab:
         screen = {"screenWidth": width, "screenHeight": height}
         self.call("Emulation.setDeviceMetricsOverride", **size, **screen)
         self.call("Emulation.setTouchEmulationEnabled", enabled=mobile)
-        # the next page shall not be built in the size of this one
-        self.wait(
-            f"screen.width === {width} && screen.height === {height}&& devicePixelRatio === {ratio}"
+        self._sized = (
+            f"screen.width === {width} && screen.height === {height}"
+            f" && devicePixelRatio === {ratio}"
         )
+        self.wait(self._sized)  # the next page shall not be built in the size of this one
         self._size = size
 
     def dark(self, on: bool) -> None:

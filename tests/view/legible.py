@@ -51,6 +51,18 @@ VIEWS = [(1280, 900, False), (390, 844, True), (1280, 900, True), (390, 844, Fal
 VIEWED = pytest.mark.parametrize(
     "view", [*VIEWS[:2], *(pytest.param(view, marks=pytest.mark.slow) for view in VIEWS[2:])]
 )
+#: sizes of a screen: width, height, mobile
+SIZES = [(1280, 900, False), (390, 844, True)]
+#: the parameters `size` and `dark`: all pairs, by default two that have each once
+SCREENS = pytest.mark.parametrize(
+    ("size", "dark"),
+    [
+        (SIZES[0], False),
+        (SIZES[1], True),
+        pytest.param(SIZES[0], True, marks=pytest.mark.slow),
+        pytest.param(SIZES[1], False, marks=pytest.mark.slow),
+    ],
+)
 
 
 def faint(tab: Tab, letters: float = LETTERS) -> list[str]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from browsing import Tab
+from legible import SCREENS, SIZES
 from motions import bead, without
 
 from curvebound.cosim import Scene
@@ -22,7 +23,6 @@ from curvebound.view.quivers import Quivers, _round, strip_for
 from curvebound.view.reading import opened, with_inputs
 from curvebound.view.stage import Cast, Stage, colour_of, figure
 
-SIZES = [(1280, 900, False), (390, 844, True)]
 #: the shafts of the first kind of arrow at time t: begin, end, colour; the camera and the height
 SHAFTS = """((t) => {
   const scene = curvebound.scene, real = scene.context, lines = [];
@@ -191,8 +191,7 @@ def test_a_long_arrow_is_cut_and_says_so(tab: Tab, page: Path) -> None:
     assert any(text.startswith("v \u00d7") for text in texts)
 
 
-@pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("size", SIZES)
+@SCREENS
 def test_the_row_of_arrows_is_read_and_covers_nothing(
     tab: Tab, page: Path, size: tuple[int, int, bool], dark: bool
 ) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browsing import Tab
+from legible import SCREENS
 from motions import bead, pendulum
 
 from curvebound.view import write_replay
@@ -17,7 +18,6 @@ PLOT = "curvebound.plots.at(-1)"
 MARKERS = (
     f"{PLOT}.marked.map(({{ marker }}) => marker.style.transform.match(/-?[\\d.]+/g).map(Number))"
 )
-SIZES = [(1280, 900, False), (390, 844, True)]
 
 
 @pytest.fixture(scope="module")
@@ -91,8 +91,7 @@ def test_its_line_is_drawn_and_its_numbers_told(tab: Tab, pages: dict[str, Path]
         "visible", "hidden"]  # fmt: skip
 
 
-@pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("size", SIZES)
+@SCREENS
 def test_it_fits_and_has_names(
     tab: Tab, pages: dict[str, Path], size: tuple[int, int, bool], dark: bool
 ) -> None:

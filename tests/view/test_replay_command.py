@@ -43,7 +43,23 @@ def test_labels_titles_and_pictures(tmp_path: Path) -> None:
     png, gif = tmp_path / "a.png", tmp_path / "a.gif"
     names = [f"h = 0.01={one}", f"h = 0.02={two}"]
     assert (
-        main(["replay", *names, "--out", str(out), "--picture", str(png), "--gif", str(gif)]) == 0
+        main(
+            [
+                "replay",
+                *names,
+                "--out",
+                str(out),
+                "--picture",
+                str(png),
+                "--gif",
+                str(gif),
+                "--seconds",
+                "1",
+                "--fps",
+                "5",
+            ]
+        )
+        == 0
     )
     assert [result["label"] for result in model(out)["results"]] == ["h = 0.01", "h = 0.02"]
     assert png.stat().st_size > 5000
@@ -99,6 +115,7 @@ def test_too_many_results_and_a_place_that_cannot_be_written(
     assert "cannot be written" in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.usefixtures("short_reference")
 @pytest.mark.parametrize("how", ["FMU", "folder", "beside"])
 def test_a_system_from_elsewhere_is_drawn(tmp_path: Path, how: str) -> None:
     """What is told, or lies beside the result, goes before what is shipped."""
@@ -122,10 +139,9 @@ def test_a_system_from_elsewhere_is_drawn(tmp_path: Path, how: str) -> None:
     assert [point["name"] for point in actor["points"]] == ["ring"]
 
 
-def test_an_fmu_of_another_tool_has_no_drawing(tmp_path: Path, capsys) -> None:
-    made = build("ParabolaDrive", tmp_path, compiled=False).path
+def test_an_fmu_of_another_tool_has_no_drawing(fmus: Path, tmp_path: Path, capsys) -> None:
     bare = tmp_path / "bare.fmu"
-    with zipfile.ZipFile(made) as old, zipfile.ZipFile(bare, "w") as new:
+    with zipfile.ZipFile(fmus / "ParabolaDrive.fmu") as old, zipfile.ZipFile(bare, "w") as new:
         for name in old.namelist():
             if name != "resources/drawing.json":
                 new.writestr(name, old.read(name))

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browsing import Tab
+from browsing import NEXT, Tab
 from motions import Table, bead, pendulum, table, without
 from PIL import Image
 
@@ -42,7 +42,6 @@ CENTRE = """((colour) => {
   const median = (all) => all.sort((a, b) => a - b)[Math.floor(all.length / 2)];
   return [median(xs), median(ys), xs.length, left, right, high, low];
 })"""
-NEXT = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))"
 
 
 @pytest.fixture(scope="session")
@@ -461,7 +460,9 @@ def long_result(n: int, kind: str) -> Table:
     return table({"time": t, **dict(zip(names, noise if kind == "noise" else smooth, strict=True))})
 
 
-@pytest.mark.parametrize(("kind", "most"), [("motion", 1e6), ("noise", 5e6)])
+@pytest.mark.parametrize(
+    ("kind", "most"), [("motion", 1e6), pytest.param("noise", 5e6, marks=pytest.mark.slow)]
+)
 def test_a_long_result_is_small(tmp_path: Path, kind: str, most: float) -> None:
     """1e5 samples of 10 signals, of a motion and at worst."""
     out = write_replay([(kind, long_result(100_000, kind))], tmp_path / "long.html")

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browsing import Tab
+from legible import SIZES
 from motions import bead
 
 from curvebound.cli import main
 from curvebound.view import write_replay
 from curvebound.view.replay import pages_beside
 
-SIZES = [(1280, 900, False), (390, 844, True)]
 PLOT = "curvebound.plots[0]"
 Y = f"(({{ min, max }}) => [min, max])({PLOT}.chart.scales.y)"
 SETTLED = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))"

@@ -19,7 +19,7 @@ from curvebound.study.stability.maps import Request
 from curvebound.study.stability.probe import ACCURATE, INACCURATE, UNSTABLE, Probed
 from curvebound.study.stability.stability_map import Column, StabilityMap
 
-METHODS = ("explicit_euler", "semi_implicit_euler", "rk4", "implicit", "adaptive")
+METHODS = ("explicit_euler", "rk4", "adaptive")
 
 
 def row(method: str, form: str, size: float, macro_step: float) -> dict[str, object]:

@@ -9,6 +9,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from browsing import Tab
+from legible import SCREENS
 from serving import Serving, served
 
 from curvebound.cosim import load_scene, read_csv
@@ -16,7 +17,6 @@ from curvebound.cosim.instance import Instance
 from curvebound.view.live.plan import Plan
 
 PlanOf = Callable[[str], Plan]
-SIZES = [(1280, 900, False), (390, 844, True)]
 
 # Contrast of every text that is shown against what is behind it, the worst first.
 CONTRAST = """(() => {
@@ -264,15 +264,7 @@ def test_what_was_done_is_saved(tab: Tab, live: Callable[[str], Serving], tmp_pa
     ]
 
 
-@pytest.mark.parametrize(
-    ("size", "dark"),
-    [
-        (SIZES[0], False),
-        (SIZES[1], True),
-        pytest.param(SIZES[0], True, marks=pytest.mark.slow),
-        pytest.param(SIZES[1], False, marks=pytest.mark.slow),
-    ],
-)
+@SCREENS
 def test_layout_contrast_and_names(
     tab: Tab, live: Callable[[str], Serving], size: tuple[int, int, bool], dark: bool
 ) -> None:
