@@ -89,6 +89,12 @@ def test_start_power_slopes_and_energies(name: str, count: int) -> None:
         close(mine.potential, hand.potential, hand.potential_size)
         found = mine.power(t, *s, hand.a0, hand.a1)
         assert found == pytest.approx(power, rel=1e-9, abs=1e-300)
+        # across the curve too, as stages of a step are
+        across = (s[0], s[1], 1.1 * s[2], 0.8 * s[3])
+        hand.acceleration(t, *across)
+        power = hand.power(t, *across, hand.a0, hand.a1)
+        found = mine.power(t, *across, hand.a0, hand.a1)
+        assert found == pytest.approx(power, rel=1e-9, abs=1e-300)
 
 
 @counts(25, 200)
