@@ -26,10 +26,17 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final
 
-__all__ = ["Shape", "power", "root", "scaled", "sine", "sum_of_areas", "total", "whole", "wound"]
+__all__ = [
+    "AREA", "FACTOR", "SIDES", "WORDS", "Shape", "chosen", "power", "root", "scaled", "sine",
+    "sum_of_areas", "total", "whole", "wound",
+]
 
 SIZE: Final = 3
 FACTOR: Final = 2.5
+AREA = FACTOR * FACTOR
+WORDS = tuple(word.upper() for word in ("shape", "area"))
+SIDES = {word: FACTOR * len(word) for word in WORDS}
+_HIDDEN = (*WORDS, "hidden")
 Row = Annotated[list[float], SIZE]
 SHARES: Final[list[float]] = [0.5, 0.25, 0.125]
 
@@ -79,6 +86,10 @@ def root(x: float) -> float:
 
 def power(x: float) -> float:
     return math.exp(x)
+
+
+def chosen(x: float) -> float:
+    return AREA * SIDES[_HIDDEN[1]] if x > 0.0 else len(_HIDDEN) * x
 
 
 def whole(x: float) -> float:
@@ -153,7 +164,7 @@ def square() -> Shape:
 """
 
 VISIBLE = {
-    "": ("power", "root", "scaled", "sine", "sum_of_areas", "total", "whole", "wound"),
+    "": ("chosen", "power", "root", "scaled", "sine", "sum_of_areas", "total", "whole", "wound"),
     "Shape": ("side", "bends", "count", "measure", "divide"),
 }
 
@@ -201,6 +212,15 @@ def test_same_numbers_and_exceptions(forms, name: str) -> None:
         want = outcome(getattr(plain, name), x)
         assert repr(outcome(getattr(compiled, name), x)) == repr(want), x
     assert math.isnan(compiled.sine(math.nan))
+
+
+def test_public_constants(forms) -> None:
+    (plain, _), (compiled, _) = forms
+    for core in (plain, compiled):
+        assert (core.FACTOR, core.AREA, core.WORDS) == (2.5, 6.25, ("SHAPE", "AREA"))
+        assert core.SIDES == {"SHAPE": 12.5, "AREA": 10.0}
+    assert not hasattr(compiled, "SIZE")
+    assert not hasattr(compiled, "_HIDDEN")
 
 
 def test_classes_across_modules(forms) -> None:

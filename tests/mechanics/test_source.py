@@ -8,7 +8,8 @@ import pytest
 import sympy
 from sympy import Rational, Symbol, cos, sin
 
-from curvebound.mechanics.source import Lines, Printer
+from curvebound.mechanics.kernel_writer import symbols_in
+from curvebound.mechanics.source import Lines, Printer, identifier
 from curvebound.mechanics.sums import shorter
 
 X, Y = Symbol("x", real=True), Symbol("y", real=True)
@@ -51,6 +52,24 @@ def test_it_gives_the_same_numbers(expression: sympy.Expr, form: str) -> None:
 def test_quotients_and_roots_of_sines_are_left_right(expression: sympy.Expr) -> None:
     point = {X: 0.3, Y: 0.7}
     assert float(shorter(expression).subs(point)) == pytest.approx(float(expression.subs(point)))
+
+
+A, B, C = (Symbol(name, real=True) for name in ("of.a", "of.b", "of.c"))
+SHARED = {A: X + sin(Y), B: A**2 + X * Y, C: B * sin(Y) - 2 * A, Symbol("unused"): X}
+
+
+@pytest.mark.parametrize("wanted", [C, B, A, C * X - B, C + A * cos(X), X + Y], ids=str)
+def test_shared_expressions_are_computed_before_those_that_need_them(wanted: sympy.Expr) -> None:
+    values = {"math": math, "x": 0.7, "y": -1.3}
+    printer = Printer({X: "x", Y: "y"} | {s: identifier(s.name) for s in SHARED})
+    lines = Lines(printer, SHARED).of([("got", wanted)], "")
+    exec("\n".join(lines), values)
+    true = wanted
+    for s, e in reversed(SHARED.items()):
+        true = true.subs(s, e)
+    assert values["got"] == pytest.approx(float(true.subs({X: 0.7, Y: -1.3})), rel=1e-14)
+    assert symbols_in([wanted], SHARED) == true.free_symbols
+    assert "unused" not in "".join(lines)
 
 
 def test_what_has_no_plain_form_is_said() -> None:
