@@ -178,6 +178,10 @@ static void churn(Fmu *f, int count, char *guid, char *uri)
 {
     double before = 0;
     int begin = count / 10; /* the first ones fill the allocators */
+    char category[1000];
+    const fmi2String categories[] = {category, "logStatusError"};
+    memset(category, 'x', sizeof category);
+    category[sizeof category - 1] = 0;
     for (int k = 0; k < count + begin; k++) {
         if (k == begin)
             before = resident();
@@ -186,6 +190,7 @@ static void churn(Fmu *f, int count, char *guid, char *uri)
             say("= Error %d\n", k);
             return;
         }
+        f->SetDebugLogging(i, 1, 2, categories);
         f->FreeInstance(i);
     }
     say("= OK %.1f\n", (resident() - before) / count);
