@@ -12,7 +12,17 @@ from sympy import Symbol, cos, sin
 
 import curvebound.mechanics
 from curvebound.errors import CurveboundError
-from curvebound.mechanics import Mechanics, angle, drag, input_, length, mass, parameter, shape
+from curvebound.mechanics import (
+    Constraint,
+    Mechanics,
+    angle,
+    drag,
+    input_,
+    length,
+    mass,
+    parameter,
+    shape,
+)
 from curvebound.mechanics.derived import Derived
 from curvebound.mechanics.deriving import derived_from
 from curvebound.mechanics.numeric import double
@@ -41,6 +51,12 @@ def test_no_name_stands_for_two_things() -> None:
 
 def stated(**more: Any) -> Callable[[], Mechanics]:
     return lambda: Mechanics(**{"coordinates": [U], "masses": [BEAD], **more})
+
+
+def held(**more: Any) -> Callable[[], Mechanics]:
+    """The bead held on its curve by a multiplier."""
+    on = Constraint(lambda x, y: y - K * x**2, coordinate=lambda x, y: x)
+    return stated(constraint=on, **more)
 
 
 @pytest.mark.parametrize(
@@ -89,6 +105,16 @@ def stated(**more: Any) -> Callable[[], Mechanics]:
         (stated(potential=sympy.Max(U, 0)), r"Max\(0, bead.u\) in the pot.* has no.*use powers"),
         (stated(couples={U: sympy.Integral(K, (K, 0, U))}), "Integral.* in the couple on bead.u"),
         (stated(constraint=1), r"constraint=1 is none: make it with Constraint\("),
+        # what the Cartesian form does not have
+        (held(couples={U: K}), "the couple on bead.u, spring.stiffness, has no part in the Cartes"),
+        (held(damping=[drag("bead.d", U)]), "drag bead.d of bead.u has no part.*leave the constr"),
+        (held(potential=K * U), r"the potential, .*bead.u\*spring.stiff.*, has no part"),
+        (held(forces={BEAD: (0, K * U)}), "the force y on mass bead, .*, has no part"),
+        (held(forces={BEAD: (U.rate, 0)}), "the force x on mass bead, bead.u_rate, has no part"),
+        (held(masses=[mass("bead", U, A * U)]), "shape wire.bend has no part"),
+        (held(linear_about={U: 0}), "linear_about has no part"),
+        (held(coordinates=[TH], masses=[mass("bob", sin(TH), -cos(TH))], observed={"seen": K * TH}),
+         r"observed seen, .*rod.angle\*.*, which counts turns, has no part"),
         # inertia
         (stated(masses=[mass("bead", K, 1)]), "coordinate bead.u moves no mass"),
         (stated(masses=[mass("bead", (U + K) * (U - K) - U**2, 1)]), "bead.u moves no mass"),
@@ -110,6 +136,15 @@ def stated(**more: Any) -> Callable[[], Mechanics]:
 def test_it_refuses(statement: Callable[[], Mechanics], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         statement()
+
+
+def test_a_constraint_takes_forces_of_inputs_and_drag_on_the_mass() -> None:
+    made = held(
+        forces={BEAD: (input_("push"), -K)}, damping=[drag("bead.d", BEAD)], couples={U: 0},
+        potential=K, observed={"bead.bend": K * U},
+    )()  # fmt: skip
+    assert {"push", "bead.fx"} <= set(made.inputs)
+    assert "constraint.drift" in made.outputs
 
 
 def test_it_takes_what_belongs_to_it() -> None:

@@ -24,7 +24,7 @@ How they belong together, MECHANICS = Mechanics(coordinates=[...], masses=[...],
     couples={coordinate: e} generalised forces, in N, on an angle in N.m, of the same
     observed={NAME: e}      further outputs, of the same and of reactions
     constraint=             Constraint(equation, coordinate, distance): one mass, held on its curve
-                            by a multiplier
+                            by a multiplier; without shapes, couples and a potential
     linear_about={...}      a rest, coordinate: value, about which there is a linear model too
 
 Gravity is there already, with parameters gravity.x and gravity.y, and so are the energies.

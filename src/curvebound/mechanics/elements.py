@@ -147,6 +147,9 @@ class Constraint:
     coordinate: the generalised coordinate as a function of x, y.
     distance: from the curve (m), for the drift; C over the size of its gradient where not given.
 
+    Forces on the mass may depend on inputs and parameters, damping is on the mass, the curve keeps
+    its shape: what else depends on the coordinate or its rate has no Cartesian form.
+
     Variables: choices model.formulation (1 this, 2 the coordinate) and constraint.stabilization
     (1 none, 2 baumgarte, 3 projection), parameters constraint.stiffness and .damping, outputs
     constraint.multiplier, .force, .drift.

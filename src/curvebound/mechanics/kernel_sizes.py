@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from functools import cached_property
 from itertools import combinations
 
@@ -11,6 +10,7 @@ from sympy import Expr, Symbol
 
 from .derivation import Row
 from .kernel_writer import Writer
+from .periodic import is_periodic
 from .sums import shorter
 
 __all__ = ["SEARCHED", "SizeParts"]
@@ -38,14 +38,7 @@ class SizeParts(Writer):
     def _periodic(self, c: Symbol) -> bool:
         stated = [r.position for r in self.d.raw] + [r.external for r in self.d.raw]
         stated += [self.d.potential, *self.d.couples, *map(sympy.sympify, self.m.observed.values())]
-        rng = random.Random(1)
-        for e in stated:
-            if e.has(c):
-                point = {s: sympy.Rational(rng.randint(1, 99), 50) for s in e.free_symbols}
-                turned = {**point, c: point[c] + 2 * sympy.pi}
-                if abs(sympy.N(e.subs(turned) - e.subs(point), 30)) > 1e-20:
-                    return False
-        return True
+        return all(is_periodic(e, c) for e in stated)
 
     def _scales(self) -> list[str]:
         lines = []

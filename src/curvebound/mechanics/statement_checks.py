@@ -13,6 +13,7 @@ from sympy import Expr, Symbol
 from ..naming import RULE, is_variable_name
 from .elements import Constraint, Coordinate, Drag, Input, Mass, Parameter, Rate, Reaction, Shape
 from .inertia import without_inertia
+from .periodic import is_periodic
 from .source import Printer
 
 if TYPE_CHECKING:
@@ -33,6 +34,8 @@ def check(m: Mechanics) -> None:
     _parts(m)
     _keys(m)
     _expressions(m)
+    if m.constraint is not None:
+        _cartesian(m)
     _names(m)
     lacking = without_inertia(m.coordinates, m.masses)
     if lacking:
@@ -240,6 +243,34 @@ def _why(s: Symbol, rates: set[Parameter], is_force: bool) -> str:
         "is no symbol of this system: make it a parameter(NAME), a shape(NAME), whose motion an "
         "input_ of the FMU drives, or one of the declared coordinates"
     )
+
+
+# -- what holds in Cartesian coordinates, too ------------------------------------------------------
+def _cartesian(m: Mechanics) -> None:
+    """Raise ValueError for what the form with a multiplier would leave out or take otherwise."""
+    (c,) = m.coordinates
+    own = {c, c.rate}
+    lost = [f"the couple on {c}, {e}," for e in m.couples.values() if e != 0]
+    lost += [_shown(drag) + f" of {c}" for drag in m.damping if drag.of == c]
+    if c in sympy.sympify(m.potential).free_symbols:
+        lost.append(f"the potential, {m.potential},")
+    for mass, force in m.forces.items():
+        for axis, e in zip("xy", force, strict=True):
+            if not own.isdisjoint(sympy.sympify(e).free_symbols):
+                lost.append(f"the force {axis} on mass {mass.name}, {e},")
+    lost += [f"shape {s}" for s in m.shapes]
+    lost += ["linear_about"] if m.linear_about is not None else []
+    at = [e for mass in m.masses for e in (mass.x, mass.y)]
+    if c.is_angle and all(is_periodic(e, c) for e in at):  # positions do not tell its turns
+        for name, e in m.observed.items():
+            if not is_periodic(sympy.sympify(e), c):
+                lost.append(f"observed {name}, {e}, which counts turns,")
+    if lost:
+        raise ValueError(
+            f"{lost[0]} has no part in the Cartesian form of a constraint, which knows inputs, "
+            "parameters and drag on the mass on a curve that keeps its shape: leave the constraint "
+            "out"
+        )
 
 
 # -- how they are called -------------------------------------------------------------------------
