@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -23,10 +24,18 @@ r, th = parameter("cycloid.radius"), angle("bead.angle")
 MECHANICS = Mechanics([th], [mass("bead", r * (th + sin(th)), r * (1 - cos(th)))])
 """
 
+ROD = """
+from sympy import cos, sin
+from curvebound.mechanics import Mechanics, angle, length, mass
+r, th = length("bead.distance"), angle("rod.angle")
+MECHANICS = Mechanics([th, r], [mass("bead", r * cos(th), r * sin(th))])
+"""
+TEXTS = {"cycloid": CYCLOID, "rod": ROD}
+
 
 def started(name: str, choices: dict[str, int] | None = None, **values: float) -> Any:
-    if name == "cycloid":
-        derived = derive_text(CYCLOID, name, name)
+    if name in TEXTS:
+        derived = derive_text(TEXTS[name], name, name)
     else:
         derived = Folder(FOLDERS[name]).derived()
     module = ModuleType(name)
@@ -62,6 +71,16 @@ def test_a_light_pivot_is_thrown_about(name: str, pivot: str, bob: str, angle: s
     light = started(name, choices, **{f"{pivot}.mass": 1e-8, f"{angle}_start": 0.3})
     assert light.magnification == pytest.approx(1e8, rel=0.01)
     assert started(name, choices, **{f"{bob}.mass": 1e-8}).magnification < 1.01
+
+
+def test_sizes_of_coordinates() -> None:
+    """A length's: how far until its slope has turned; along a straight rod its distance."""
+    bent = started("bead_on_parabola", wire__coefficient=2.0, bead__u_start=0.7)
+    assert bent.q0_scale == pytest.approx(math.hypot(1.0, 2.8) / 4.0)
+    assert started("bead_on_parabola", bead__u_start=0.7).q0_scale == 1.0
+    rod = started("rod", bead__distance_start=2.5)
+    assert (rod.q0_scale, rod.q1_scale) == pytest.approx((1.0, 2.5))
+    assert started("rod").q1_scale == 1.0
 
 
 def test_a_cusp_counts_where_energy_or_inputs_reach_it() -> None:
