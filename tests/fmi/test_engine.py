@@ -14,6 +14,7 @@ from curvebound.fmi.compile import why_not
 from curvebound.fmi.cutting import near
 from curvebound.fmi.declaration import OUTPUT
 from curvebound.fmi.folder import find
+from curvebound.fmi.input_slopes import InputSlopes
 from curvebound.fmi.reference import reference_inputs, reference_result
 from curvebound.fmi.slave import table_of
 from curvebound.fmi.table import ERROR, LARGEST, OVERFLOW, WARNING
@@ -254,14 +255,44 @@ def test_an_interrupt_leaves_no_step(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(KeyboardInterrupt):
         made.do_step(0.0, 0.1)
     assert made.get_state() == before
-    assert made.slopes.given
+    assert (made.slopes.given, made.get_real([push])) == (True, [1.0])
     monkeypatch.undo()
     assert made.do_step(0.0, 0.1)
+    assert made.get_real([push]) == [1.2]
     again = started()
     again.set_real([push], [1.0])
     again.slopes.each[slot], again.slopes.given = 2.0, True
     assert again.do_step(0.0, 0.1)
     assert made.get_state() == again.get_state()
+
+
+def test_an_interrupt_after_the_slopes_were_used_gives_them_back() -> None:
+    slopes = InputSlopes(engine().table)
+    reals = [float(vr) for vr in range(64)]
+    slopes.take(slopes.first + 1, 2.0)
+    slopes.take(slopes.first + 2, 0.0)
+    assert slopes.begin(reals, 0.5) == -1
+    slopes.end(reals, 0.5)
+    assert (slopes.given, slopes.get_state()) == (False, [0.0] * 4)
+    assert reals[slopes.first : slopes.first + 3] == [
+        slopes.first, slopes.first + 2.0, slopes.first + 2.0
+    ]  # fmt: skip
+    slopes.restore(reals)
+    assert (slopes.given, slopes.get_state()) == (True, [0.0, 2.0, 0.0, 0.0])
+    assert reals == [float(vr) for vr in range(64)]
+
+
+def test_a_directional_derivative_that_fits_no_float_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = started()
+    force, x = made.table.by_name["bead.fx"], made.table.by_name["bead.x"]
+    monkeypatch.setattr(made, "output_changes", lambda seeds: [math.inf] * 64)
+    assert made.get_directional_derivative([x], [force], [1.0]) == [0.0]
+    assert said(made) == (
+        "the directional derivative of bead.x does not fit a floating-point number at time 0.0 s: "
+        "rescale the parameters"
+    )
 
 
 def test_a_state_brings_back_all_of_it() -> None:

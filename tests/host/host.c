@@ -222,6 +222,9 @@ static void misuse(Fmu *f, fmi2Component i)
     TELL(f->GetStatus(i, 0, NULL));
     TELL(f->GetRealStatus(i, 2, NULL));
     TELL(f->GetRealStatus(i, 17, &real));
+    TELL(f->SetRealInputDerivatives(i, &vr, 1, NULL, &real));
+    TELL(f->GetRealOutputDerivatives(i, NULL, 1, NULL, &real));
+    TELL(f->GetDirectionalDerivative(i, &vr, 1, NULL, 1, &real, &real));
     say(" |"); /* harmless */
     TELL(f->GetReal(i, NULL, 0, NULL));
     TELL(f->SetReal(i, NULL, 0, NULL));
