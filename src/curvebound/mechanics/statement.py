@@ -76,10 +76,11 @@ class Mechanics:
         stated = [e for m in self.masses for e in (m.x, m.y)]
         stated += [self.potential, *self.couples.values(), *self.observed.values()]
         stated += [e for pair in self.forces.values() for e in pair]
+        place = (Symbol("x", real=True), Symbol("y", real=True))
         if self.constraint is not None:
-            x, y = Symbol("x", real=True), Symbol("y", real=True)
-            stated += [self.constraint.equation(x, y).subs({x: 0, y: 0})]
-        found = {s for e in stated for s in sympy.sympify(e).free_symbols}
+            c = self.constraint
+            stated += [of(*place) for of in (c.equation, c.coordinate, c.distance) if of]
+        found = {s for e in stated for s in sympy.sympify(e).free_symbols} - {*place}
         return sorted(found, key=str)
 
     @property
