@@ -1,15 +1,18 @@
-"""The form with a multiplier of a bead on y = a x^2, by the curve's equation written otherwise."""
+"""The form with a multiplier: parameters of its own, the way back to the curve, turns."""
 
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 
+from curvebound.fmi.folder import Folder
 from curvebound.mechanics.derive import derive_text
 
+#: y = a x^2, the curve's equation written otherwise
 TEXT = """
 from curvebound.mechanics import Constraint, Mechanics, drag, length, mass, parameter
 u, a = length("bead.u"), parameter("wire.bend")
@@ -72,3 +75,65 @@ def test_parameters_of_the_constraint_alone(formulation: int) -> None:
     model.observe(model.OUTPUTS["constraint.drift"], values, 0)
     drift = values[list(model.OUTPUTS).index("constraint.drift")]
     assert drift == pytest.approx(LENGTH * 0.01 if formulation == 1 else 0.0, rel=1e-12)
+
+
+def on_ellipse(angle: float, rate: float, stabilization: int) -> Any:
+    """A bead on the ellipse of half axes 2 and 1."""
+    module = ModuleType("ellipse")
+    folder = Folder(Path(__file__).parent / "systems" / "bead_on_ellipse")
+    exec(folder.derived().kernel, module.__dict__)
+    choices = {"model.formulation": 1, "constraint.stabilization": stabilization}
+    model = module.model(choices)  # type: ignore[attr-defined]
+    given = {"wire.width": 2.0, "wire.height": 1.0, "bead.mass": 1.0, "bead.angle_start": angle}
+    given |= {"bead.angular_velocity_start": rate}
+    model.start({**dict.fromkeys(model.PARAMETERS, 0.0), **given}, choices)
+    model.set_inputs([0.0] * len(model.INPUTS), 0)
+    return model
+
+
+def angle_of(model: Any) -> float:
+    values = [0.0] * len(model.OUTPUTS)
+    model.observe(0, values, 0)
+    return values[list(model.OUTPUTS).index("bead.angle")]
+
+
+def put(model: Any, angle: float, rate: float) -> None:
+    model.q0, model.q1 = 2.0 * math.sin(angle), -math.cos(angle)
+    model.v0, model.v1 = 2.0 * math.cos(angle) * rate, math.sin(angle) * rate
+
+
+@pytest.mark.parametrize("stabilization", [1, 3])
+@pytest.mark.parametrize(("before", "after"), [
+    (3.1, 3.2), (-3.1, -3.2), (3.2, 3.1), (0.1, -0.1), (1.0, 1.0 + 2 * math.pi), (1.0, -9.0),
+    (9.4, 9.45), (9.45, 9.4), (2.0, 4.5),
+])  # fmt: skip
+def test_turns_follow_the_rates(before: float, after: float, stabilization: int) -> None:
+    h = 0.5
+    rate = (after - before) / h
+    model = on_ellipse(before, rate, stabilization)
+    assert angle_of(model) == pytest.approx(before, rel=1e-14)
+    put(model, after, rate)
+    model.settle(h)
+    assert angle_of(model) == pytest.approx(after, rel=1e-14)
+    put(model, 2 * after - before, rate)
+    model.settle(h)
+    assert angle_of(model) == pytest.approx(2 * after - before, rel=1e-14)
+
+
+def test_projection_takes_back_what_is_across_the_curve() -> None:
+    model = on_ellipse(1.0, 0.7, 3)
+    state = [model.q0, model.q1, model.v0, model.v1]
+    gx, gy = model.q0 / 4.0, model.q1
+    model.q0, model.q1 = model.q0 + 1e-5 * gx, model.q1 + 1e-5 * gy
+    model.v0, model.v1 = model.v0 + 1e-4 * gx, model.v1 + 1e-4 * gy
+    model.settle(1e-3)
+    found = [model.q0, model.q1, model.v0, model.v1]
+    assert abs(model.q0**2 / 4.0 + model.q1**2 - 1.0) < 4e-16
+    assert abs(model.q0 / 4.0 * model.v0 + model.q1 * model.v1) < 4e-16
+    assert found == pytest.approx(state, rel=1e-4)
+    assert found[:2] == pytest.approx(state[:2], rel=1e-8)
+    free = on_ellipse(1.0, 0.7, 1)
+    free.q0 += 1e-5
+    moved = free.q0
+    free.settle(1e-3)
+    assert free.q0 == moved

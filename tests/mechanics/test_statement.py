@@ -141,7 +141,7 @@ def test_it_refuses(statement: Callable[[], Mechanics], message: str) -> None:
 def test_a_constraint_takes_forces_of_inputs_and_drag_on_the_mass() -> None:
     made = held(
         forces={BEAD: (input_("push"), -K)}, damping=[drag("bead.d", BEAD)], couples={U: 0},
-        potential=K, observed={"bead.bend": K * U},
+        observed={"bead.bend": K * U},
     )()  # fmt: skip
     assert {"push", "bead.fx"} <= set(made.inputs)
     assert "constraint.drift" in made.outputs

@@ -252,8 +252,7 @@ def _cartesian(m: Mechanics) -> None:
     own = {c, c.rate}
     lost = [f"the couple on {c}, {e}," for e in m.couples.values() if e != 0]
     lost += [_shown(drag) + f" of {c}" for drag in m.damping if drag.of == c]
-    if c in sympy.sympify(m.potential).free_symbols:
-        lost.append(f"the potential, {m.potential},")
+    lost += [f"the potential, {m.potential},"] if m.potential != 0 else []
     for mass, force in m.forces.items():
         for axis, e in zip("xy", force, strict=True):
             if not own.isdisjoint(sympy.sympify(e).free_symbols):
