@@ -65,6 +65,7 @@ def test_it_builds_runs_and_is_drawn(system: Path) -> None:
 def test_it_is_studied_tuned_mapped_and_sampled(system: Path, capsys) -> None:
     scene = f"{system.name}/scene.py"
     assert main(["study", scene, "--quick", "--no-plots"]) == 0
+    assert "cheapest setting" in capsys.readouterr().out
     assert list(Path("build", "study").rglob("*.csv"))
     assert main(["tune", scene, "--write"]) == 0
     assert "solver.method" in Path(scene).read_text(encoding="utf-8")

@@ -105,8 +105,23 @@ def pulse(begin: float) -> Any:
 TABLES = [([0.0, 0.1, 0.1 + h, 0.3], [0.0, 0.0, 1.0, 0.0]) for h in (1e-9, 2e-9)]
 
 
+def pushing(force: float) -> Any:
+    """An object of a class that nothing can import."""
+
+    class Push:
+        def __init__(self) -> None:
+            self.force = force
+
+        def __call__(self, t: float) -> float:
+            return self.force * t
+
+    return Push()
+
+
 @pytest.mark.parametrize(
-    "signals", [[pulse(0.1), pulse(0.10001)], TABLES], ids=["function", "table"]
+    "signals",
+    [[pulse(0.1), pulse(0.10001)], TABLES, [pushing(1.0), pushing(2.0)]],
+    ids=["function", "table", "object"],
 )
 def test_signals_that_differ_between_all_samples_have_other_keys(signals: list[Any]) -> None:
     keys = []

@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
 from curvebound.study.sweep import Design, Metric, Sweep, axis, local
 from curvebound.study.sweep.cluster import run_on_cluster
 from curvebound.study.sweep.local import _Pool
-from curvebound.study.sweep.task import run_points
+from curvebound.study.sweep.task import Task, run_points
 
 DAMPING = "bead.bead.damping=0:1:{}"
 METRICS = ["final(bead.bead.y)", "max(abs(bead.bead.x))"]
@@ -406,3 +407,11 @@ def test_points_on_which_workers_die_are_sent_alone() -> None:
     stopped = Cluster(1, deadly=(5,), error=CurveboundError("no such scene"))
     with pytest.raises(CurveboundError, match="no such scene"):
         list(run_on_cluster(task, points, stopped))
+
+
+def test_points_record_what_their_metrics_use() -> None:
+    metrics = ("max(plant.parabola.force)", "min(plant.slider.u) + max(plant.parabola.force)")
+    scene = Task("pendulum_small", None, (), metrics).scene()
+    assert scene.recorded == ["plant.parabola.force", "plant.slider.u"]
+    scene = Task("pendulum_small", None, (), ()).scene()
+    assert scene.recorded == load_scene("pendulum_small").recorded
