@@ -204,3 +204,8 @@ def test_what_is_on_is_known(body: Derived) -> None:
     true = {n: [always, True, False] for n in body.damping} | dict.fromkeys(body.forces, pushed)
     true |= {"": [always, False, False], "spring.end_rate_start": shaped}
     assert found == true | {"spring.end_acceleration": shaped}
+
+
+def test_damping_of_a_length_has_the_unit_of_that_of_a_mass(body: Derived) -> None:
+    units = {v.name: v.unit for v in body.variables}
+    assert (units["air"], units["rail"]) == ("N.s/m", "N.s/m")

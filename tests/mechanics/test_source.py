@@ -8,6 +8,8 @@ import pytest
 import sympy
 from sympy import Rational, Symbol, cos, sin
 
+from curvebound.mechanics import Mechanics, length, mass
+from curvebound.mechanics.derivation import Derivation
 from curvebound.mechanics.kernel_writer import symbols_in
 from curvebound.mechanics.source import Lines, Printer, identifier
 from curvebound.mechanics.sums import shorter
@@ -69,6 +71,13 @@ def test_shared_expressions_are_computed_before_those_that_need_them(wanted: sym
         true = true.subs(s, e)
     assert values["got"] == pytest.approx(float(true.subs({X: 0.7, Y: -1.3})), rel=1e-14)
     assert symbols_in([wanted], SHARED) == true.free_symbols
+    u = length("u")
+    derivation = Derivation(Mechanics([u], [mass("body", u, 0)]))
+    derivation.shared = SHARED
+    slope = derivation.along(wanted, Y)
+    for s, e in reversed(SHARED.items()):
+        slope = slope.subs(s, e)
+    assert sympy.expand(slope - true.diff(Y)) == 0
     assert "unused" not in "".join(lines)
 
 
