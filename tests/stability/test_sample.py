@@ -212,7 +212,9 @@ def test_what_moves_is_measured_by_how_far() -> None:
 @pytest.mark.parametrize("system", [pytest.param("bead", marks=pytest.mark.slow), "pendulum"])
 def test_a_few_points_are_accurate(system: str, tmp_path: Path) -> None:
     settings = SampleSettings(SYSTEMS[system])
-    outcomes = run_sample(settings, 2, 11)
+    done: list[int] = []
+    outcomes = run_sample(settings, 2, 11, progress=done.append)
+    assert done[-1] == 2
     assert [one.point.number for one in outcomes] == [0, 1]
     assert {one.verdict for one in outcomes} == {"accurate"}
     assert max(one.error for one in outcomes) < sample.ALLOWED

@@ -22,7 +22,7 @@ from curvebound.study.reference.reference import Reference
 from curvebound.study.reference.reference_set import judge
 from curvebound.study.settings import Setting, space_of
 from curvebound.study.tune.candidate import Candidate
-from curvebound.study.tune.ensemble import Ensemble
+from curvebound.study.tune.ensemble import _STUDENT, Ensemble
 from curvebound.study.tune.macro_search import MacroSearch
 from curvebound.study.tune.step_search import coarser, search_size
 from curvebound.study.tune.tuner import Tuner
@@ -488,3 +488,10 @@ def test_one_slow_timing_does_not_decide_between_couplings() -> None:
     options = [candidate(held, 0.4, 3.2), candidate(sloped, 0.4, 9.0)]
     assert search._cheapest(options, {}) == sloped
     assert search._cheapest(options[:1], {}) == held  # nothing to compare with: not run again
+
+
+def test_points_of_students_distribution() -> None:
+    stats = pytest.importorskip("scipy.stats")
+    assert list(_STUDENT) == list(range(2, 17))
+    for freedom, point in _STUDENT.items():
+        assert point == pytest.approx(stats.t.ppf(0.995, freedom), abs=6e-4)

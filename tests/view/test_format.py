@@ -79,6 +79,9 @@ def test_samples_at_and_between_times(tab: Tab) -> None:
     assert evaluated(tab, f"slope({even}, {squares}, 0)", f"slope({even}, {squares}, 4)") == [
         None, None,
     ]  # fmt: skip
+    # two samples at one time: a jump has no slope
+    jump = "[0, 1, 1, 2], [0, 1, 5, 6]"
+    assert evaluated(tab, f"slope({jump}, 1)", f"slope({jump}, 2)") == [None, None]
 
 
 @pytest.fixture(scope="module")
