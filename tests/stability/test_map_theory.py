@@ -66,6 +66,15 @@ def test_the_step_matrix_is_what_the_integrator_does(method: str, h: float) -> N
     assert np.abs(measured - expected).max() < 1e-13 * np.abs(expected).max()
 
 
+def test_how_far_a_unit_of_a_coordinate_moves_a_mass() -> None:
+    """The slider along y = u^2/2 at u = 2: sqrt(1 + u^2); the bob on its rod: the length."""
+    derived = sampled("ParabolaPendulum")[1]
+    still = dict.fromkeys(parabola_pendulum({"model.fidelity": 2}).INPUTS, 0.0)
+    motion = Motion(derived, {**VALUES, **still, "slider.u_start": 2.0})
+    assert motion.reach(0) == pytest.approx(math.sqrt(5.0), rel=1e-14)
+    assert motion.reach(1) == motion.unit() == pytest.approx(0.7, rel=1e-14)
+
+
 @pytest.mark.parametrize("omega", [1e-3, 3.1, 4e5])
 def test_oscillators_end_where_the_stability_functions_say(omega: float) -> None:
     """|R(i y)| = 1 at y = 2 sqrt 2 (RK4), the trace's bound at y = 2 (semi-implicit Euler)."""
