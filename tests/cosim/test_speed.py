@@ -21,7 +21,7 @@ def test_a_macro_step_costs_less_than_half_of_simulate_ssp(monkeypatch):
     monkeypatch.setattr(compare, "TOOLS", {"simulate_ssp": compare.TOOLS["simulate_ssp"]})
     scene = load_scene("swaying_parabola")
     assert len(scene.check().recorded) == 8
-    found = costs(scene, steps=1000, rounds=3)
+    found = costs(scene, steps=5000, rounds=5)
     assert found["curvebound gauss_seidel"] < 0.5 * found["simulate_ssp"], found
 
 
