@@ -8,13 +8,19 @@ from typing import Any
 
 import pytest
 
-from curvebound.cli import main
+from curvebound.cli import live, main
 from curvebound.errors import CurveboundError
 
 
 def given(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
     assert main([*words, "--json"]) == 0
     return json.loads(capsys.readouterr().out)
+
+
+def test_a_scene_and_a_system_can_be_touched() -> None:
+    assert live._scene("bead_on_wire").name == "bead_on_wire"
+    scene = live._scene("BeadOnWire")
+    assert (scene.name, list(scene.components)) == ("BeadOnWire", ["bead_on_wire"])
 
 
 def test_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -67,3 +68,12 @@ def test_a_fault_is_found_at_random_points(tmp_path: Path, monkeypatch) -> None:
     with pytest.raises(AssertionError, match="points of its ranges are not accurate") as caught:
         checks.is_right_at_random_points(folder)
     assert "wrong, error" in str(caught.value)
+
+
+def test_each_input_is_pushed_by_a_sine_of_its_own() -> None:
+    pushed = checks._inputs(find("BeadOnWire").fmu())
+    at = {name: push(0.5) for name, push in pushed.items()}
+    assert at == pytest.approx({
+        "wire.ax": math.sin(0.3 * math.pi), "wire.ay": math.sin(0.47 * math.pi),
+        "bead.fx": 0.5 * math.sin(0.64 * math.pi), "bead.fy": 0.5 * math.sin(0.81 * math.pi),
+    })  # fmt: skip
