@@ -143,3 +143,8 @@ def test_newton_follows_what_is_not_affine():
     x[0] = 2.0
     wrong()
     assert x[0] == pytest.approx(np.cos(1.3 * x[0]), abs=1e-11)
+
+
+@pytest.mark.filterwarnings("ignore:overflow")
+def test_a_slope_that_is_not_finite_hides_no_solution():
+    assert solved(lambda x: np.where(x > 0.3, 1e308, -1e308), [0.3]) == [-1e308]
