@@ -68,9 +68,13 @@ def _reference(name: str) -> ReferenceResult:
     return reference_result(find(name).fmu())
 
 
+def _share_references(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(documentation, "reference_result", lambda fmu: _reference(fmu.name))
+
+
 def _built(folder: Path, *, compiled: bool) -> None:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(documentation, "reference_result", lambda fmu: _reference(fmu.name))
+        _share_references(patch)
         for name in NAMES:
             build(name, folder, compiled=compiled)
 
@@ -103,7 +107,7 @@ def short_reference(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def one_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """What this process builds of the package's own systems shares their reference results."""
-    monkeypatch.setattr(documentation, "reference_result", lambda fmu: _reference(fmu.name))
+    _share_references(monkeypatch)
 
 
 @pytest.fixture
