@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 import random
+from typing import Any, cast
 
 import pytest
 from small_models import Oscillator, Pendulum, Sliding, march
 
 from curvebound.kernel.adaptive import Adaptive
 from curvebound.kernel.base import Model
+from curvebound.kernel.course import CONVERGED, DIVERGES, Course
 from curvebound.kernel.method import (
     DONE,
     NOT_FINITE,
@@ -20,6 +22,21 @@ from curvebound.kernel.method import (
 from curvebound.kernel.methods import create
 
 SYSTEMS = [Oscillator, Pendulum, Sliding]
+
+
+@pytest.mark.parametrize(("times", "outcome"), [(0.99, CONVERGED), (1.01, DIVERGES)])
+@pytest.mark.parametrize("other", [0.0, 4.0])
+def test_sweeps_that_shrink_slowly_have_converged_where_rounding_is_all(
+    times: float, outcome: int, other: float
+) -> None:
+    """What rounding makes of the accelerations moves the rates by h times that."""
+    course = Course()
+    course.known = True
+    course.scale0, course.noise0, course.scale1, course.noise1 = 8.0, 0.25, 0.5, other
+    h, nothing = 0.125, cast(Any, None)
+    change = times * (h * 2.0 + h * 0.5 * other)
+    course.change = change / 0.75
+    assert course.outcome(nothing, nothing, 0.0, h, 2, change, 0.0, 1e-9) == outcome
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

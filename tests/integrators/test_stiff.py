@@ -23,6 +23,8 @@ from curvebound.kernel.method import (
     TOO_MANY_STEPS,
 )
 from curvebound.kernel.methods import create
+from curvebound.kernel.radau_stages import Stages
+from curvebound.kernel.rounding import Rounding
 from curvebound.kernel.stiff import LARGEST, usual
 
 bead_on_wire = find("BeadOnWire").module("kernel").model
@@ -69,6 +71,36 @@ def test_tails_are_legendre_coefficients() -> None:
     values = np.polynomial.legendre.legval(2 * C - 1, coefficients)
     assert np.dot(radau_tables.HIGHEST, values) == pytest.approx(coefficients[6], abs=1e-13)
     assert np.dot(radau_tables.NEXT, values) == pytest.approx(coefficients[5], abs=1e-13)
+
+
+class Sloped(Model):
+    """Of slopes by q0, q1, v0, v1 of a0, and of a1: the largest of each at another stage."""
+
+    SIZES = (2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0)
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        at = [float(c) for c in radau_tables.NODES].index(t)
+        x = [-s if at == i % S else 0.5 * s for i, s in enumerate(self.SIZES)]
+        set_jacobian(self, (x[0], x[1], x[4], x[5], x[2], x[3], x[6], x[7]))
+
+
+def test_rounding_of_coordinates_and_rates_comes_with_the_slopes_of_both() -> None:
+    """Eight units in the last place of the largest, times the largest slope by each."""
+    stages, rounding = Stages(), Rounding()
+    assert stages.factorise(Sloped(), 0.0, 1.0)
+    assert tuple(stages.slopes) == Sloped.SIZES
+    rounding.size0 = 100.0  # so far, beside 1
+    stages.x0, stages.x1, stages.w0, stages.w1 = (
+        [(-1.0) ** i * size * (1.0 if i == 3 else 0.1) for i in range(S)]
+        for size in (1.0, 2000.0, 3e4, 5e5)
+    )
+    stages.round_off(rounding)
+    sizes = np.array([100.0, 2000.0, 3e4, 5e5])
+    for noise, slopes in ((stages.noise0, Sloped.SIZES[:4]), (stages.noise1, Sloped.SIZES[4:])):
+        assert noise == pytest.approx(8.0 * 2.0**-52 * sizes.dot(slopes), rel=1e-14)
+    rounding.scatter0, rounding.scatter1 = 1e-3, 2e-3  # seen, at half as many points
+    stages.round_off(rounding)
+    assert (stages.noise0, stages.noise1) == (2e-3, 4e-3)
 
 
 def test_elimination_exchanges_rows() -> None:
