@@ -10,6 +10,7 @@ import pytest
 
 from curvebound.cli import live, main
 from curvebound.errors import CurveboundError
+from curvebound.study.sweep.engine import Sweep, SweepResult
 
 
 def given(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
@@ -60,6 +61,26 @@ def test_sweep_and_tune(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
         "--set", "stop_time=0.1", "--out", str(out),
     )  # fmt: skip
     assert sweep == {"file": str(out), "points": 2, "run": 2, "failed": 0, "maps": []}
+
+
+@pytest.mark.parametrize(
+    ("counts", "said"),
+    [
+        ((1, 1, 0), "1 point"),
+        ((5, 5, 2), "5 points; 2 failed, see the column message"),
+        ((5, 3, 0), "5 points, 2 of them from an earlier run"),
+    ],
+)
+def test_what_a_sweep_says(
+    counts: tuple[int, int, int], said: str, capsys: pytest.CaptureFixture[str], monkeypatch
+) -> None:
+    def run(self: Sweep, out: Path, **options: Any) -> SweepResult:
+        return SweepResult(out, *counts)
+
+    monkeypatch.setattr(Sweep, "run", run)
+    words = ["--vary", "bead.bead.damping=0,1", "--out", "s.csv"]
+    assert main(["sweep", "bead_on_wire", *words]) == 0
+    assert capsys.readouterr().out == f"s.csv: {said}\n"
 
 
 def test_quiet_prints_errors_only(capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,11 +6,14 @@ import csv
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from curvebound.cli import main
 from curvebound.errors import CurveboundError
+from curvebound.study.stability import maps
 from curvebound.study.stability.maps import Request
 
 RADIUS = "bead.wire.radius"
@@ -46,6 +49,20 @@ def test_the_command_writes_table_picture_and_page(tmp_path, capsys) -> None:
     page = (folder / "bead.wire.radius.html").read_text()
     assert "<svg" in page
     assert "Runs of 2 s" in page
+
+
+def test_maps_unload_their_fmus_finished_or_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[Any] = []
+    columns = SimpleNamespace(
+        make=lambda _, i, value: seen.append(value) or [], close=lambda: seen.append("closed")
+    )
+    monkeypatch.setattr(maps, "_columns", columns)
+    requests = [Request("", vary, methods=()) for vary in ("a.b=1:2:2", "a.b=3")]
+    assert list(maps.make_maps(requests)) == [(one, []) for one in requests]
+    made = maps.make_maps(requests)
+    assert next(made) == (requests[0], [])
+    made.close()
+    assert seen == [1.0, 2.0, 3.0, "closed", 1.0, 2.0, "closed"]
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import pytest
 from curvebound.fmi.folder import find
 from curvebound.kernel.methods import METHODS, create
 from curvebound.study.reference.motion import Motion
+from curvebound.study.stability.probe import Probe
 from curvebound.study.stability.ranges import sampled
 from curvebound.study.stability.theory import (
     FACTOR,
@@ -73,6 +76,35 @@ def test_how_far_a_unit_of_a_coordinate_moves_a_mass() -> None:
     motion = Motion(derived, {**VALUES, **still, "slider.u_start": 2.0})
     assert motion.reach(0) == pytest.approx(math.sqrt(5.0), rel=1e-14)
     assert motion.reach(1) == motion.unit() == pytest.approx(0.7, rel=1e-14)
+
+
+def parabola(**start: float) -> tuple[Any, dict[str, Any]]:
+    """A bead on y = 2 x^2, without gravity and damping, and its values."""
+    derived = sampled(Path(__file__).parents[1] / "mechanics" / "systems" / "bead_on_parabola")[1]
+    values = {v.name: 0.0 for v in derived.variables} | {"gravity.x": 0.0, "gravity.y": 0.0}
+    return derived, {**values, "bead.mass": 1.0, "wire.coefficient": 2.0, **start}
+
+
+def test_how_far_a_bead_goes_until_its_path_has_turned() -> None:
+    """(1, 4 x) along the path turns by (0, 4) per length."""
+    derived, values = parabola(**{"bead.u_start": 0.3, "bead.u_rate_start": 1.0})
+    motion = Motion(derived, values)
+    assert motion.unit() == pytest.approx(math.hypot(1.0, 1.2) / 4.0, rel=1e-14)
+    there = motion.unit(np.array([[0.0, -0.3], [0.0, 0.0]]), np.ones((2, 2)))
+    assert there == pytest.approx([0.25, math.hypot(1.0, 1.2) / 4.0], rel=1e-14)
+
+
+def test_the_boundary_along_a_motion_is_where_it_is_fastest() -> None:
+    """x'' = -16 x x'^2 / (1 + 16 x^2) swings about x = 0 with 4 x', and does nothing at rest."""
+    probe = Probe.__new__(Probe)
+    probe.alone, probe.duration, probe.states = True, 1e4, ["x", "v"]
+    probe.derived, probe._values = parabola()
+    probe.variable, probe.model = "bead.mass", ""
+    exact = {"x": np.zeros(3), "v": np.array([1.0, 3.0, 2.0])}
+    probe._exact = lambda value: (exact, "")  # type: ignore[method-assign, assignment]
+    at_rest, moving = probe.linear_boundaries(1.0, "rk4", 1e-6, 1.0)
+    assert at_rest == math.inf
+    assert moving == pytest.approx(2.0 * math.sqrt(2.0) / 12.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("omega", [1e-3, 3.1, 4e5])

@@ -152,6 +152,10 @@ def test_characteristic_times_count_what_is_fast() -> None:
     )
     fast = {**OFF["bead"], "gravity.y": 0.0, "bead.angular_velocity_start": 50.0}
     assert exact(DERIVED["bead"], fast, count=10.0).end == pytest.approx(0.2, rel=1e-6)
+    # one that hangs at rest in steps of half a time each
+    hanging = {**OFF["bead"], "bead.angle_start": 0.0, "bead.angular_velocity_start": 0.0}
+    found = exact(DERIVED["bead"], hanging, count=9.75)
+    assert (found.end, found.steps) == (pytest.approx(9.75 / math.sqrt(9.81), rel=1e-14), 20)
     still = {**fast, "bead.angular_velocity_start": 0.0}
     assert exact(DERIVED["bead"], still, count=10.0).end == LONGEST
 

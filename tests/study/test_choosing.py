@@ -83,6 +83,7 @@ def test_what_is_far_below_its_bound_is_made_coarser() -> None:
     assert sizes == [1e-4, pytest.approx(1e-3 * 0.35**0.25, rel=0.02)]
     sizes = followed("rk4", lambda s: ((s.size / 1e-3) ** 4, 1e-5), first=first)
     assert sizes == [1e-4]
+    assert followed("rk4", lambda s: (0.02, 1e-5), first=first, floor=0.02) == [1e-4]
 
 
 def test_exact_is_run_once() -> None:
@@ -258,6 +259,26 @@ def test_of_nearly_equal_costs_the_more_accurate_is_chosen(
     choice = bead.tune(dict.fromkeys(bead.paths, 1e-6))
     assert choice.chosen is not None
     assert choice.chosen.setting.method == "adaptive"
+
+
+@pytest.mark.parametrize(("cost", "followed"), [(1.9, True), (2.1, False)])
+def test_a_family_is_followed_up_to_twice_the_cost_of_the_cheapest_so_far(
+    bead: Tuner, monkeypatch: pytest.MonkeyPatch, cost: float, followed: bool
+) -> None:
+    """For one timing may be off by much: rk4 fits at once, adaptive at a smaller tolerance."""
+    sizes = set()
+
+    def law(setting: Setting) -> tuple[float, float]:
+        if setting.method == "rk4":
+            return 0.3, 1e-4
+        if setting.method != "adaptive":
+            return math.inf, 1.0
+        sizes.add(setting.size)
+        return setting.size / 1e-5, cost * 1e-4
+
+    obeying(bead, monkeypatch, law)
+    assert bead.tune(dict.fromkeys(bead.paths, 1e-6)).chosen is not None
+    assert (len(sizes) > 1) is followed
 
 
 def test_errors_that_spread_too_widely_are_judged_by_what_was_seen(
@@ -473,6 +494,9 @@ def test_an_error_is_judged_as_long_as_the_reference_is_a_hundred_times_surer() 
     unknown = judge(times, error, np.array([0.0, *[1.0] * 10]))
     assert (unknown.worst, unknown.final, unknown.until) == (4.0, 1.0, 10.0)
     assert not unknown.judged
+    # known until less than a tenth of the time
+    little = judge(np.array([0.0, 0.9, 10.0]), np.ones(3), np.array([1.0, 0.005, 1.0]))
+    assert (little.until, little.judged) == (10.0, False)
     assert judge(times, np.where(times > 5, np.nan, 0.0), np.zeros(11)).worst == math.inf
 
 

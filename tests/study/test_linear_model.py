@@ -42,6 +42,15 @@ def test_a_bead_about_any_state() -> None:
     assert model.units["constraint.force"] == "N"
 
 
+def test_a_system_without_a_frame() -> None:
+    """A bead on y = a x^2 that nothing moves: x'' = -2 a g x / (1 + 4 a^2 x^2) from rest."""
+    folder = Path(__file__).parents[1] / "mechanics" / "systems" / "bead_on_parabola"
+    at = {"wire.coefficient": 1.5, "bead.damping": 0.0, "bead.u_rate": 0.0}
+    bottom = linearize(folder, {**at, "bead.u": 0.0})
+    assert pytest.approx(np.array([[0.0, 1.0], [-3.0 * 9.81, 0.0]]), rel=1e-15) == bottom.A
+    assert linearize(folder, {**at, "bead.u": 0.5}).rest[1] == pytest.approx(-1.5 * 9.81 / 3.25)
+
+
 def test_an_equilibrium_is_found_and_held() -> None:
     push = {"bead.fx": 9.81, "bead.angle": 0.5}
     model = linearize("BeadOnWire", at=push, inputs=["bead.fx"], equilibrium=True)

@@ -378,6 +378,26 @@ def completing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
+    ("took", "sizes"),
+    [(2.0, [1, 1]), (2.0**-10, [2, 4, 8, 16, 32, 64, 128, 256, 307, 307]),
+     (2.0**-17, [*(2**n for n in range(1, 16)), 39321, 39321])],
+)  # fmt: skip
+def test_a_worker_is_given_what_takes_three_tenths_of_a_second(
+    monkeypatch: pytest.MonkeyPatch, took: float, sizes: list[int]
+) -> None:
+    """Twice as many points as before at most, until that is reached."""
+    monkeypatch.setattr(_Pool, "_start", lambda pool: None)
+    pool = _Pool(None, [], 1)  # type: ignore[arg-type]
+    pipe: Any = SimpleNamespace(recv=list)
+    for size in sizes:
+        worker = local._Worker(None, pipe, [(0, {})] * pool.size, started=True)
+        now = SimpleNamespace(perf_counter=lambda took=took * pool.size: took)
+        monkeypatch.setattr(local, "clock", now)
+        pool._hear(worker)
+        assert pool.size == size
+
+
+@pytest.mark.parametrize(
     ("threads", "count", "longest"),
     [(1, 5, 1), (1, 12, 1), (1, 23, 1), (1, 24, 2), (3, 144, 4), (1, 768, 64), (1, 5000, 64)],
 )

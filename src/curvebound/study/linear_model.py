@@ -192,8 +192,8 @@ class _Point:
         function = self.derived.function(prefix + name)
         s = dict(s)
         frame = self.derived.frame
-        for axis in "xy":
-            push = s[f"{frame}.a{axis}"] if frame else self.F.number(0)
+        for axis in "xy" if frame else "":
+            push = s[f"{frame}.a{axis}"]
             s[f"field.{axis}"] = s[f"gravity.{axis}"] - push
             s[f"frame.a{axis}"] = push
             for n in (axis, f"v{axis}"):

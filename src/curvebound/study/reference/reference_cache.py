@@ -97,7 +97,7 @@ def kept(
         arrays["held_at"] = np.array([t for t, _ in history])
         np.savez(folder / _FILE, **arrays, held=held)  # type: ignore[arg-type]
 
-    with np.load(cache.entry("references", parts, make) / _FILE, allow_pickle=False) as file:
+    with np.load(cache.entry("references", parts, make) / _FILE) as file:
         data = {name: file[name] for name in file.files}
     monolith.history = [
         (float(t), {_port(p): values[i] for i, p in enumerate(data["ports"])})

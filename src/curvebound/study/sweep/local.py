@@ -102,7 +102,7 @@ class _Pool:
             worker.started = True  # the first answer took the loading of the FMUs too
         else:
             took = max(clock.perf_counter() - worker.began, 1e-6) / len(worker.busy)
-            self.size = max(1, min(int(_CHUNK / took), 2 * self.size, 1000))
+            self.size = max(1, min(int(_CHUNK / took), 2 * self.size))
         worker.busy = []
         answer: list[Row] = rows
         return answer

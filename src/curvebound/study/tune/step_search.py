@@ -39,7 +39,7 @@ def search_size(
         tried[setting.size] = candidate
         below = [c for c in tried.values() if c.fits]
         above = [c for c in tried.values() if not c.fits]
-        if candidate.fits and (candidate.miss > floor or _is_coarsest(setting)):
+        if candidate.fits and (candidate.miss >= floor or _is_coarsest(setting)):
             break
         following = _next(setting, tried)
         if following is None or following.size in tried:
