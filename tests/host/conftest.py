@@ -244,8 +244,22 @@ def copy_of(tmp_path: Path) -> Callable[[Unpacked, str], Unpacked]:
 
 
 _ODD = '''
+import gc
+import weakref
+
 from pythonfmu import Fmi2Causality, Fmi2Slave, Integer, Real, String
 from pythonfmu.enums import Fmi2Status
+
+RAISED = []  # weak references to what exceptions brought along
+
+
+class Text(str):
+    """A text of which is known whether it is still there."""
+
+
+def alive():
+    gc.collect()  # classes are cycles
+    return sum(one() is not None for one in RAISED)
 
 
 class Odd(Fmi2Slave):
@@ -259,6 +273,23 @@ class Odd(Fmi2Slave):
         self.register_variable(Integer("act", causality=Fmi2Causality.parameter))
         self.register_variable(Real("y", causality=Fmi2Causality.output))
         self.register_variable(String("text", causality=Fmi2Causality.parameter))
+        for name, count in (("raised", lambda: len(RAISED)), ("alive", alive)):
+            self.register_variable(Integer(name, causality=Fmi2Causality.output, getter=count))
+
+    def fail(self):
+        """Raise an exception; it, its class, its text and what its frame holds are RAISED."""
+        class Own(Exception):
+            def __repr__(self):
+                text = Text("Own()")
+                RAISED.append(weakref.ref(text))
+                return text
+
+        local, error = Text("of the frame"), Own()
+        RAISED.extend(map(weakref.ref, (local, error, Own)))
+        try:
+            raise error
+        finally:
+            del error  # it holds its frame
 
     def perform(self, where):
         if self.act == 1:
@@ -272,6 +303,8 @@ class Odd(Fmi2Slave):
             self.log(f"noted in {where} at 5 %", Fmi2Status.ok)
             self.log("mind the %s%n", Fmi2Status.warning)
             self.log("own", Fmi2Status.ok, "mine")
+        if self.act == 5:
+            self.fail()
         return True
 
     def enter_initialization_mode(self):

@@ -229,6 +229,15 @@ def test_a_saved_state_revives_an_instance_whose_code_has_raised(host, odd):
     assert result.answers[11:14] == [["OK", "2"], ["OK"], ["OK", "2.5"]]
 
 
+def test_nothing_is_left_of_an_exception(host, odd):
+    """Neither itself nor its class, its text, or what its frames held."""
+    tell = f"geti 0 {odd.vr['raised']} {odd.vr['alive']}"
+    failing = [*acting(odd, 5), "step 0 0 0.5", "reset 0"]
+    result = host([*odd.start(), *failing, *failing, *GOOD, tell])
+    assert [text.split(": ")[-1] for *_, text in result.messages] == 2 * ["Own()"]
+    assert result.answers[-1] == ["OK", "8", "0"]
+
+
 def test_an_exception_during_initialization(host, odd):
     result = host([*odd.start(), *acting(odd, 11), "reset 0", *GOOD, "free 0"])
     assert [a[0] for a in result.answers] == ["OK"] * 4 + ["Error"] * 2 + ["OK"] * 7
