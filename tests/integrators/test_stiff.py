@@ -103,6 +103,122 @@ def test_rounding_of_coordinates_and_rates_comes_with_the_slopes_of_both() -> No
     assert (stages.noise0, stages.noise1) == (2e-3, 4e-3)
 
 
+class Scripted(Stages):
+    """Newton's method whose corrections are nothing, said to be of the sizes given in turn."""
+
+    def __init__(self, moves: list[float], singular: int = -1) -> None:
+        super().__init__()
+        self.moves = moves
+        self.singular = singular
+        self.tried = 0
+        #: corrections that there had been when a matrix was made
+        self.made: list[int] = []
+        self.units: list[float] = []
+
+    def factorise(self, model: Model, t: float, h: float) -> bool:
+        self.made.append(self.tried)
+        return len(self.made) != self.singular
+
+    def correct(self) -> None:
+        pass
+
+    def moved(self, unit0: float, unit1: float) -> float:
+        self.tried += 1
+        self.units = [unit0, unit1]
+        return self.moves[self.tried - 1]
+
+
+class Pushed(Model):
+    """Given accelerations, halved but at the fourth stage: 0 has been found, others never are."""
+
+    LARGEST = (radau_tables.NODES[3], 2.0 * radau_tables.NODES[3])  # in steps of 1 and 2 s
+
+    def __init__(self, push0: float, push1: float = 0.0) -> None:
+        super().__init__()
+        self.push = push0, push1
+        self.count = 0
+
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        self.count += 1
+        part = 1.0 if t in self.LARGEST else 0.5
+        self.a0, self.a1 = part * self.push[0], part * self.push[1]
+
+    def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        set_jacobian(self, (0.0,) * 8)
+
+
+@pytest.mark.parametrize(
+    ("push", "moves", "made", "found"),
+    [
+        pytest.param(0.0, [1.0, 0.04, 0.001, 1e-15], [0], True, id="kept while it does well"),
+        pytest.param(0.0, [1.0, 0.06, 0.002, 1e-15], [0, 2], True, id="made anew"),
+        pytest.param(0.0, [1e-8, 4e-9, 1e-9, 1e-15], [0], True, id="kept near rounding"),
+        pytest.param(0.0, [1e-8, 9e-9, 8e-9], [0], True, id="rounding by its size"),
+        pytest.param(0.0, [1.0, 0.9, 0.8], [0, 2], True, id="nothing is left"),
+        pytest.param(1.0, [0.2] * 7, [0, 2, 3, 4, 5, 6], False, id="stalls"),
+        pytest.param(1.0, [1.0, 0.04, 0.03, 1e-3, 1e-15, 1e-15], [0, 3, 5], True, id="stale"),
+        pytest.param(1.0, [0.49**n for n in range(15)], [0, *range(2, 15)], False, id="slow"),
+        pytest.param(0.0, [1.0, 2e300], [0], False, id="too large"),
+    ],
+)
+def test_a_newton_matrix_is_kept_as_long_as_it_does_well(
+    push: float, moves: list[float], made: list[int], found: bool
+) -> None:
+    stages, model, rounding = Scripted(moves), Pushed(push), Rounding()
+    assert stages.solve(model, rounding, 0.0, 1.0) is found
+    assert (stages.made, stages.tried) == (made, len(moves))
+    assert stages.evaluations + rounding.evaluations == model.count
+
+
+@pytest.mark.parametrize(
+    ("rates", "push", "units", "scales"),
+    [
+        ((0.0, 0.0), (0.0, 0.0), [1.0, 1.0], (1.0, 1.0)),
+        ((0.0, 0.0), (3.0, 0.0), [3.0, 3.0], (3.0, 3.0)),
+        ((0.0, 0.0), (0.0, -5.0), [5.0, 5.0], (5.0, 5.0)),
+        ((0.0, 0.0), (-3.0, 5.0), [3.0, 5.0], (3.0, 5.0)),
+        ((8.0, 0.0), (3.0, 0.0), [4.0, 4.0], (4.0, 4.0)),
+        ((0.0, -8.0), (0.0, 3.0), [4.0, 4.0], (4.0, 4.0)),
+        ((8.0, 0.0), (7.0, 3.0), [4.0, 3.0], (7.0, 3.0)),
+        ((-8.0, 2.0), (3.0, 5.0), [4.0, 1.0], (4.0, 5.0)),
+    ],
+)
+def test_corrections_are_measured_by_rates_and_scaled_by_accelerations(
+    rates: tuple[float, float],
+    push: tuple[float, float],
+    units: list[float],
+    scales: tuple[float, float],
+) -> None:
+    """In a step of 2 s: by the other's unit, or 1, where a coordinate has none of its own."""
+    stages, model = Scripted([1.0, 1e-15, 1e-15]), Pushed(*push)
+    model.v0, model.v1 = rates
+
+    def grow() -> None:
+        model.push = 100.0, 100.0  # what they begin with counts
+
+    stages.correct = grow  # type: ignore[method-assign]
+    assert stages.solve(model, Rounding(), 0.0, 2.0)
+    assert (stages.units, (stages.unit0, stages.unit1)) == (units, scales)
+
+
+@pytest.mark.parametrize(("rate", "made"), [(1e13, [0]), (1e11, [0, 2])])
+def test_what_is_left_is_nothing_beside_the_largest_accelerations(
+    rate: float, made: list[int]
+) -> None:
+    """1 m/s2, of rates that change within the step of 1 s."""
+    stages, model = Scripted([1.0, 1e-15, 1e-15]), Pushed(1.0)
+    model.v0 = rate
+    assert stages.solve(model, Rounding(), 0.0, 1.0)
+    assert stages.made == made
+
+
+@pytest.mark.parametrize(("which", "moves"), [(1, []), (2, [1.0, 0.04, 0.03])])
+def test_a_singular_newton_matrix_finds_nothing(which: int, moves: list[float]) -> None:
+    stages = Scripted(moves, singular=which)
+    assert not stages.solve(Pushed(1.0), Rounding(), 0.0, 1.0)
+    assert stages.tried == len(moves)
+
+
 def test_elimination_exchanges_rows() -> None:
     rng = random.Random(3)
     n = 2 * S
