@@ -11,6 +11,7 @@ import pytest
 
 from curvebound.fmi.folder import find
 from curvebound.kernel.methods import METHODS, create
+from curvebound.mechanics.derive import derive
 from curvebound.study.reference.motion import Motion
 from curvebound.study.stability.probe import Probe
 from curvebound.study.stability.ranges import sampled
@@ -90,8 +91,27 @@ def test_how_far_a_bead_goes_until_its_path_has_turned() -> None:
     derived, values = parabola(**{"bead.u_start": 0.3, "bead.u_rate_start": 1.0})
     motion = Motion(derived, values)
     assert motion.unit() == pytest.approx(math.hypot(1.0, 1.2) / 4.0, rel=1e-14)
-    there = motion.unit(np.array([[0.0, -0.3], [0.0, 0.0]]), np.ones((2, 2)))
+    there = motion.unit(0.0, np.array([[0.0, -0.3], [0.0, 0.0]]), np.ones((2, 2)))
     assert there == pytest.approx([0.25, math.hypot(1.0, 1.2) / 4.0], rel=1e-14)
+
+
+def test_how_far_it_goes_along_a_wire_that_bends(tmp_path: Path) -> None:
+    """y = (1 + t) x^2: from one turn per 2 m^-1 to one per 4."""
+    (tmp_path / "bending").mkdir()
+    (tmp_path / "bending" / "mechanics.py").write_text(
+        "from curvebound.mechanics import Mechanics, length, mass, shape\n"
+        "x, a = length('bead.u'), shape('wire.bend')\n"
+        "MECHANICS = Mechanics([x], [mass('bead', x, a * x**2)])\n"
+    )
+    derived = derive(tmp_path / "bending" / "mechanics.py", "Bending")
+    values = {v.name: 0.0 for v in derived.variables} | {"gravity.x": 3.0, "gravity.y": 0.0}
+    bend = {"wire.bend_start": 1.0, "wire.bend_rate_start": 1.0}
+    motion = Motion(derived, {**values, "bead.mass": 1.0, **bend})
+    assert motion.unit() == pytest.approx(0.5, rel=1e-14)
+    times, rest = np.array([0.0, 1.0]), np.zeros((2, 2))
+    assert motion.unit(times, rest, rest) == pytest.approx([0.5, 0.25], rel=1e-14)
+    # where the slope vanishes: the root of acceleration over that size
+    assert motion.rates(times, rest, rest) == pytest.approx([6.0**0.5, 12.0**0.5], rel=1e-14)
 
 
 def test_the_boundary_along_a_motion_is_where_it_is_fastest() -> None:

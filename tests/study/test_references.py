@@ -50,6 +50,11 @@ def test_reference_gives_the_printed_digits(scene: Scene, values: dict[str, floa
         assert reference.uncertainty(path, [10.0])[0, 0] < 1e-14
 
 
+def test_a_reference_is_compared_at_a_hundred_times() -> None:
+    reference = refer(single("plant", "ParabolaPendulum", {}, 0.05).check(), ["plant.slider.u"])
+    assert reference._checks == pytest.approx(np.linspace(0.0, 0.05, 101), rel=1e-14)
+
+
 @needs_long_double
 def test_the_bead_that_turns_over_is_a_closed_form_too() -> None:
     scene = single("bead", "BeadOnWire", {"bead.angular_velocity_start": -9.0,

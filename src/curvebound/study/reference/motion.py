@@ -88,7 +88,7 @@ class Motion:
         j = self.slopes(t, q, v)[0]
         if self._count == 1:
             turning = self._call("accelerations", double, t, q, v)[0] + 0.0 * q[0]
-            radius = np.hypot(j[0, 0], turning / self.unit(q, v))
+            radius = np.hypot(j[0, 0], turning / self.unit(t, q, v))
         else:
             half, product = 0.5 * (j[0, 0] + j[1, 1]), j[0, 0] * j[1, 1] - j[0, 1] * j[1, 0]
             inside = half * half - product
@@ -117,8 +117,10 @@ class Motion:
         ]
         return math.sqrt(next((x for x in sizes if x > 0.0), 1.0))
 
-    def unit(self, q: Array | None = None, v: Array | None = None) -> Any:
+    def unit(self, t: Any = 0.0, q: Array | None = None, v: Array | None = None) -> Any:
         """Size of the first coordinate in units of the second, or by itself.
+
+        At the start, or at times t, (n,), in the states q and v, (2, n).
 
         Of an angle 1 (rad); of a length how far (m) a radian of the other coordinate moves a mass,
         else how far it goes until the direction of its path has turned.
@@ -130,7 +132,7 @@ class Motion:
             v = np.array(self.start[2:])[:, None]
         if self._count == 2 and self.derived.angles[1]:
             return self.reach(1)
-        slope, bend = self._call("scales", double, 0.0, q, v)[:2]
+        slope, bend = self._call("scales", double, t, q, v)[:2]
         with np.errstate(all="ignore"):
             size = np.sqrt(np.float64(slope) / np.float64(bend)) + 0.0 * q[0]
         return np.where(np.isfinite(size), size, 1.0)
