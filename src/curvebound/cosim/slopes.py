@@ -2,9 +2,9 @@
 
 A function of time is known ahead: its input goes in a straight line from its value at the start of
 the step to that at the end, or just before where it jumps there: a jump at a communication point is
-met where it is, and nothing overshoots. An input that another FMU drives is extrapolated with the derivative of that
-output at the start of the step. What cannot tell its derivative, or was handed on within the step
-(gauss_seidel), is held.
+met where it is, and nothing overshoots. An input that another FMU drives is extrapolated with the
+derivative of that output at the start of the step. What cannot tell its derivative, or was handed
+on within the step (gauss_seidel), is held.
 """
 
 from __future__ import annotations
