@@ -229,13 +229,32 @@ def test_a_saved_state_revives_an_instance_whose_code_has_raised(host, odd):
     assert result.answers[11:14] == [["OK", "2"], ["OK"], ["OK", "2.5"]]
 
 
+def counts(odd, *names):
+    return f"geti 0 {' '.join(str(odd.vr[name]) for name in names)}"
+
+
 def test_nothing_is_left_of_an_exception(host, odd):
     """Neither itself nor its class, its text, or what its frames held."""
-    tell = f"geti 0 {odd.vr['raised']} {odd.vr['alive']}"
     failing = [*acting(odd, 5), "step 0 0 0.5", "reset 0"]
-    result = host([*odd.start(), *failing, *failing, *GOOD, tell])
+    result = host([*odd.start(), *2 * failing, *GOOD, counts(odd, "given", "alive")])
     assert [text.split(": ")[-1] for *_, text in result.messages] == 2 * ["Own()"]
     assert result.answers[-1] == ["OK", "8", "0"]
+
+
+@pytest.mark.parametrize("act", [1, 2])
+def test_nothing_is_left_of_what_was_told(host, odd, act):
+    failing = [*acting(odd, act), "step 0 0 0.5", "reset 0"]
+    tell = [*GOOD, counts(odd, "heap"), "reset 0"]
+    result = host([*odd.start(), *5 * failing, *tell, *20 * failing, *tell])
+    assert len(result.messages) == 25
+    first, last = (int(result.answers[at][1]) for at in (-len(tell) - 20 * len(failing) - 2, -2))
+    assert last - first < 20 * 8
+
+
+def test_nothing_is_left_of_results(host, odd):
+    slopes = f"derivatives 0 {odd.vr['y']} {odd.vr['y']}"
+    result = host([*odd.start(), *GOOD, slopes, slopes, counts(odd, "given", "alive")])
+    assert result.answers[-1] == ["OK", "2", "0"]
 
 
 def test_an_exception_during_initialization(host, odd):
