@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import Adaptive, Scene
+from curvebound.cosim.adaptive import _Controller
 from curvebound.errors import CurveboundError
 
 W = 2.0 * math.pi
@@ -50,6 +51,20 @@ def test_error_is_proportional_to_the_tolerance(two_masses, algorithm, tolerance
         assert errors[-1] < 2.0 * tolerance
     slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
     assert slope > 0.8
+
+
+def test_the_controller_is_proportional_and_integral():
+    controller = _Controller(2)
+    # the first step remembers an error that is just what is allowed
+    assert controller.taken(0.25) == pytest.approx(0.9 * 4.0**0.35, rel=1e-14)
+    assert controller.taken(0.5) == pytest.approx(0.9 * 2.0**0.35 * 0.25**0.2, rel=1e-14)
+    assert controller.taken(0.0) == 2.5
+    controller = _Controller(2)
+    assert controller.rejected(4.0) == pytest.approx(0.9 / 2.0, rel=1e-14)
+    assert controller.rejected(math.inf) == 0.2
+    assert controller.rejected(1.0) == 0.9
+    assert controller.taken(0.25) == 1.0  # none longer than the one that was rejected
+    assert controller.taken(0.25) == pytest.approx(0.9 * 4.0**0.35 * 0.25**0.2, rel=1e-14)
 
 
 def test_it_ends_at_the_stop_time_and_never_below_its_bound(two_masses):

@@ -1,8 +1,9 @@
-/* Texts, resource locations and handles of the FMU's library, by values; prints what is not as it should be. */
+/* Texts, resource locations, handles and direct calls of the FMU's library, by values; prints what is not as it should be. */
 #define _GNU_SOURCE
 #include "text.c"
 #include "uri.c"
 #ifndef _WIN32
+#include "direct.c"
 #include "handles.c"
 #endif
 
@@ -212,6 +213,72 @@ static void handles(void)
     CHECK(!chunks[0] && !chunks[1]);
     atomic_store(&n_slots, 0); /* and the process does that again when it ends */
 }
+
+/* what Python answers about the capsules of direct.py: by name, the type that each is given */
+Python py;
+static const char *types[4];
+static int none, engine, functions;
+
+static void *capsule(void *dict, const char *name)
+{
+    static const char *const names[] = {"direct__do_step", "direct__get_real", "direct__set_real",
+                                        "direct__set_slope"};
+    for (int k = 0; k < 4; k++)
+        if (dict == &functions && strcmp(name, names[k]) == 0 && types[k])
+            return &types[k];
+    return NULL;
+}
+
+static const char *type_of(void *object) { return *(const char **)object; }
+static void *pointer_of(void *object, const char *type) { return type == type_of(object) ? object : NULL; }
+static void *attribute(void *slave, const char *name)
+{
+    return strcmp(name, "engine") == 0 ? &engine : slave;
+}
+static void nothing(void *object) { (void)object; }
+static void clear(void) {}
+
+static bool is_direct(void *of_slave)
+{
+    Direct direct = {0};
+    find_direct(&direct, of_slave);
+    return direct.engine == &engine && (void *)direct.do_step == &types[0] &&
+           (void *)direct.set_slope == &types[3];
+}
+
+static void direct(void)
+{
+    static const char *const expected[] = {
+        "int (struct DerivativeEngine *, double, double)",
+        "double (struct DerivativeEngine *, PY_LONG_LONG)",
+        "int (struct DerivativeEngine *, PY_LONG_LONG, double)",
+        "int (struct DerivativeEngine *, PY_LONG_LONG, PY_LONG_LONG, double)",
+    };
+    py.PyDict_GetItemString = capsule;
+    py.PyCapsule_GetName = type_of;
+    py.PyCapsule_GetPointer = pointer_of;
+    py.PyObject_GetAttrString = attribute;
+    py.Py_DecRef = nothing;
+    py.PyErr_Clear = clear;
+    py.none = &none;
+    memcpy(types, expected, sizeof types);
+    CHECK(is_direct(&functions));
+    CHECK(!is_direct(&none) && !is_direct(NULL));
+    /* one that is not there, has another result, or takes something else */
+    for (int k = 0; k < 4; k++) {
+        char other[100] = "float ";
+        strcat(other, strchr(expected[k], '('));
+        const char *const others[] = {NULL, other, "int", "double (void)",
+                                      "int (struct DerivativeEngine *, PY_LONG_LONG)"};
+        for (int i = 0; i < 5; i++) {
+            types[k] = others[i];
+            if (is_direct(&functions))
+                printf("function %d is taken as %s\n", k, others[i] ? others[i] : "nothing");
+        }
+        types[k] = expected[k];
+    }
+    CHECK(is_direct(&functions));
+}
 #endif
 
 int main(void)
@@ -220,6 +287,7 @@ int main(void)
     locations();
 #ifndef _WIN32
     handles();
+    direct();
 #endif
     return 0;
 }

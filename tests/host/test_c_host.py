@@ -114,8 +114,9 @@ def loaded_python(result):
     return found[-1] if found else None
 
 
-def test_the_environment_variable_comes_first(host, bead):
-    libraries = sorted(
+def libraries():
+    """Those of CPython in the usual folders."""
+    found = sorted(
         path
         for folder in (
             "/usr/lib",
@@ -126,12 +127,25 @@ def test_the_environment_variable_comes_first(host, bead):
         for place in ("", "*/")
         for path in Path(folder).glob(f"{place}libpython3.1[0-9].so.1.0")
     )
-    if not libraries:
-        pytest.skip("no libpython in the usual folders")
-    for library in libraries:
+    return found or pytest.skip("no libpython in the usual folders")
+
+
+def test_the_environment_variable_comes_first(host, bead):
+    for library in libraries():
         environment = private_python({**PLAIN, "CURVEBOUND_PYTHON": str(library)})
         result = host(whole_run(bead, bead.outputs(), 2), environment)
         assert os.path.realpath(loaded_python(result)) == os.path.realpath(library)
+
+
+def test_a_library_whose_program_tells_a_wrong_prefix_has_its_own(host, bead, tmp_path):
+    program = tmp_path / "python"
+    library = libraries()[0]
+    program.write_text(f"#!/bin/sh\nprintf '%s\\n' {program} {tmp_path} {library}\n")
+    program.chmod(0o755)
+    environment = private_python({**PLAIN, "CURVEBOUND_PYTHON": str(program)})
+    result = host(whole_run(bead, bead.outputs(), 2), environment)
+    assert result.answers[-1] == ["OK"]
+    assert os.path.realpath(loaded_python(result)) == os.path.realpath(library)
 
 
 def test_an_unusable_choice_is_passed_over(host, bead, tmp_path):

@@ -14,7 +14,7 @@ NATIVE = Path(curvebound.fmi.__file__).parent / "native"
 
 
 @pytest.mark.parametrize("flags", [[], ["-D_WIN32", "-fshort-wchar"]], ids=["posix", "windows"])
-def test_texts_locations_and_handles(
+def test_texts_locations_handles_and_direct_calls(
     compile_host: Callable[..., Path], tmp_path: Path, flags: list[str]
 ) -> None:
     program = compile_host("parts.c", tmp_path / "parts", f"-I{NATIVE}", *flags)

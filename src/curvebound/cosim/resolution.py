@@ -302,7 +302,7 @@ class _Resolution:
 def _units_differ(a: Variable, b: Variable) -> bool:
     if a.unit is None or b.unit is None or a.unit == b.unit:
         return False
-    return a.dimension is None or b.dimension is None or a.dimension != b.dimension
+    return a.dimension is None or a.dimension != b.dimension
 
 
 def _kind(variable: Variable) -> str:
