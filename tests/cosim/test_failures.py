@@ -103,10 +103,10 @@ def test_an_interrupted_run_is_no_failed_one_and_keeps_what_it_has(scene, tmp_pa
     def interrupt(schedule):
         advance = advance_of(schedule)
 
-        def step(time, size, end):
+        def step(time, size):
             if next(stop, stop) is stop:
                 raise KeyboardInterrupt
-            advance(time, size, end)
+            advance(time, size)
 
         return step
 

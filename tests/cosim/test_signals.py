@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import Scene
-from curvebound.cosim.signals import Driven, signal
+from curvebound.cosim.signals import signal
 from curvebound.errors import CurveboundError
 
 
@@ -15,38 +15,6 @@ def test_tables_are_linear_and_jump():
     f = signal(([0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 5.0, 7.0]), "a.u")
     assert [f(t) for t in (-1.0, 0.0, 0.5, 1.0, 1.5, 2.0, 9.0)] == [0, 0, 0.5, 5, 6, 7, 7]
     assert f(1.0 - 1e-16) == 5.0  # a communication point within rounding of the jump
-
-
-def test_a_function_is_asked_once_for_each_time_while_it_is_smooth():
-    asked = []
-
-    def square(t: float) -> float:
-        asked.append(t)
-        return 1.0 + t * t
-
-    driven = Driven(square, "a.u")
-    assert driven.at(1.0) == driven.at(1.0) == 2.0
-    assert driven.slope(2.0, 1.0, 0.25, 1.25) == pytest.approx(2.25, rel=1e-15)
-    assert asked == [1.0, 1.25, 1.0 + 0.25 * (1.0 - 1e-6)]  # it may jump: no slope is known yet
-    assert driven.at(1.25) == 2.5625
-    assert driven.slope(2.5625, 1.25, 0.25, 1.5) == pytest.approx(2.75, rel=1e-15)
-    assert asked[3:] == [1.5]
-    driven.forget()
-    assert driven.at(1.5) == 3.25
-    assert asked[4:] == [1.5]
-
-
-@pytest.mark.parametrize(
-    ("jump", "slope"), [(1.0, 1.0), (-1.0, 1.0), (0.3, 1.0), (0.2, 1.8)], ids=str
-)
-def test_a_jump_at_the_end_of_a_step_is_none_of_its_slope(jump, slope):
-    # of less than half of what the step changes it is taken for a bend, unless the table tells it
-    function = Driven(lambda t: t + (jump if t >= 0.5 else 0.0), "a.u")
-    table = Driven(signal(([0.0, 0.5, 0.5, 1.0], [0.0, 0.5, 0.5 + jump, 1.0]), "a.u"), "a.u")
-    for driven, expected in ((function, slope), (table, 1.0)):
-        assert driven.slope(0.0, 0.0, 0.25, 0.25) == pytest.approx(1.0, rel=1e-9)
-        assert driven.slope(0.25, 0.25, 0.25, 0.5) == pytest.approx(expected, rel=1e-9)
-        assert driven.at(0.5) == 0.5 + jump
 
 
 @pytest.mark.parametrize(

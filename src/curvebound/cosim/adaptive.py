@@ -82,12 +82,12 @@ def adaptive_steps(
         saved = schedule.save()
         counters.trials += 3
         try:
-            advance(t, reached - t, reached)
+            advance(t, reached - t)
             whole = values[places]
             schedule.restore(saved)
-            advance(t, middle - t, middle)
+            advance(t, middle - t)
             schedule.evaluate(middle)
-            advance(middle, reached - middle, reached)
+            advance(middle, reached - middle)
             error = float(np.max(np.abs(values[places] - whole) / divisor)) / (reached - t)
         except CallFailed as failed:
             if failed.status != DISCARD or at_bound:

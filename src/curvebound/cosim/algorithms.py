@@ -17,14 +17,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from .exchange import Clock
-from .schedule import TRIAL, Schedule
+from .schedule import TRIAL, Clock, Schedule
 
 __all__ = ["Advance", "advance_of"]
 
-Advance = Callable[[float, float, float], None]
-"""advance(t, H, end): from a consistent communication point t by H to `end`, which rounding may set
-apart from t + H; outputs of the states read."""
+Advance = Callable[[float, float], None]
+"""advance(t, H): from a consistent communication point t to t + H, outputs of the states read."""
 
 
 def advance_of(schedule: Schedule) -> Advance:
@@ -46,8 +44,8 @@ def _sweep(schedule: Schedule, *, passing_on: bool) -> Advance:
     calls = schedule.stepping(schedule.system.order, clock, passing_on=passing_on)
     run = schedule.run
 
-    def advance(time: float, size: float, end: float) -> None:
-        clock.set(time, size, end)
+    def advance(time: float, size: float) -> None:
+        clock.set(time, size)
         run(calls)
 
     return advance
@@ -69,15 +67,15 @@ def _strang(schedule: Schedule) -> Advance:
     steps_first = schedule.stepping(first, half, passing_on=False)
     steps_second = schedule.stepping(second, whole, passing_on=False)
 
-    def advance(time: float, size: float, end: float) -> None:
+    def advance(time: float, size: float) -> None:
         middle = time + 0.5 * size
-        half.set(time, 0.5 * size, middle)
+        half.set(time, 0.5 * size)
         schedule.run(steps_first)
         schedule.evaluate(middle)
-        whole.set(time, size, end)
+        whole.set(time, size)
         schedule.run(steps_second)
-        schedule.evaluate(end)
-        half.set(middle, 0.5 * size, end)
+        schedule.evaluate(time + size)
+        half.set(middle, 0.5 * size)
         schedule.run(steps_first)
 
     return advance
@@ -95,16 +93,15 @@ def _midpoint(schedule: Schedule) -> Advance:
     to_middle = schedule.stepping(order, half, passing_on=False)
     steps = schedule.stepping(order, whole, passing_on=False)
 
-    def advance(time: float, size: float, end: float) -> None:
-        middle = time + 0.5 * size
+    def advance(time: float, size: float) -> None:
         saved = schedule.save(TRIAL)
-        half.set(time, 0.5 * size, middle)
+        half.set(time, 0.5 * size)
         schedule.run(to_middle)
-        schedule.evaluate(middle)
+        schedule.evaluate(time + 0.5 * size)
         held = schedule.values()
         schedule.restore(saved, TRIAL)
         schedule.hold(held)
-        whole.set(time, size, end)
+        whole.set(time, size)
         schedule.run(steps)
 
     return advance

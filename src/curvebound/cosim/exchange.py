@@ -16,32 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .instance import Instance
-from .signals import Driven
 from .system import Link, Port, System, path_of
 
-__all__ = ["Call", "Clock", "Exchange"]
+__all__ = ["Call", "Exchange"]
 
 Call = Callable[[], Any]  # an FMI call that returns its status, or a copy that returns None
 KINDS = ("Real", "Integer", "Boolean")
 _FEW = 4  # runs of values up to which slices are copied one by one
-
-
-class Clock:
-    """Time, size and end of a step in s, the first two as the prepared fmi2DoStep calls read them.
-
-    The end is a communication point, which rounding may set apart from the sum of the two.
-    """
-
-    def __init__(self) -> None:
-        self.time = c_double()
-        self.size = c_double()
-        self.end = 0.0
-
-    def set(self, time: float, size: float, end: float) -> None:
-        """The step about to be taken begins at `time`, is `size` long and ends at `end`."""
-        self.time.value = time
-        self.size.value = size
-        self.end = end
 
 
 class Exchange:
@@ -49,15 +30,11 @@ class Exchange:
 
     reals, others: the values, shapes (n,) of float64 and int32.
     place: where each output's value lies in the array of its kind.
-    driven: the inputs that functions drive.
     """
 
     def __init__(self, system: System) -> None:
         self.system = system
         self.place: dict[Port, int] = {}
-        self.driven = {
-            port: Driven(function, path_of(port)) for port, function in system.signals.items()
-        }
         self._segments: dict[tuple[str, str, int], tuple[int, list[Port]]] = {}
         self._inputs: dict[tuple[str, str], tuple[int, list[Port]]] = {}
         self._calls: dict[int, tuple[str, str]] = {}
@@ -222,11 +199,11 @@ class Exchange:
             ]
         return [_gathering(array, [s for _, s in pairs], [to for to, _ in pairs])]
 
-    def do_step(self, instance: Instance, clock: Clock) -> Call:
-        """The call that makes this component step, as the clock says when it is made."""
+    def do_step(self, instance: Instance, time: c_double, size: c_double) -> Call:
+        """The call that steps this component from `time` by `size`, both read when it is made."""
         scene = self.system.scene
         keeps = c_int(not (scene.rolls_back or scene.goes_back))  # no rollback behind this point
-        return self.prepare(instance, "DoStep", clock.time, clock.size, keeps)
+        return self.prepare(instance, "DoStep", time, size, keeps)
 
     def prepare(self, instance: Instance, function: str, *arguments: Any) -> Call:
         """The call of an FMI function of `instance`, which reads arrays and doubles when made."""
@@ -256,18 +233,19 @@ class Exchange:
         """Component and FMI function of a prepared call."""
         return self._calls[id(call)]
 
-    def driven_inputs(self) -> list[tuple[Driven, memoryview, int, bool]]:
-        """For each input that a function drives: it, buffer, place, whether Real."""
-        found = []
+    def signal_setters(self) -> list[tuple[Callable[[float], float], str, memoryview, int, bool]]:
+        """For each function that drives an input: it, the path, buffer, place, whether Real."""
+        setters = []
         for kind in KINDS:
             for (_, of), (at, targets) in self._inputs.items():
                 if of != kind:
                     continue
                 view = memoryview(self._array(kind))  # type: ignore[arg-type]
                 for i, target in enumerate(targets):
-                    if target in self.driven:
-                        found.append((self.driven[target], view, at + i, kind == "Real"))
-        return found
+                    if target in self.system.signals:
+                        function = self.system.signals[target]
+                        setters.append((function, path_of(target), view, at + i, kind == "Real"))
+        return setters
 
 
 def _converted(argument: Any) -> Any:

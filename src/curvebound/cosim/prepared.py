@@ -182,7 +182,7 @@ class Prepared:
         evaluate = schedule.evaluate
         number = 0
         for time, duration, reached, whole in macro_steps(begin, end, size, self.system.stops):
-            advance(time, duration, reached)
+            advance(time, duration)
             evaluate(reached)
             counters.steps += 1
             counters.trials += 1

@@ -7,22 +7,37 @@ needed, so that running it is a loop over calls without any decision.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from ctypes import c_double
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .exchange import Call, Clock, Exchange
+from .exchange import Call, Exchange
 from .graph import Loop
 from .instance import Instance
 from .loop_changes import changes_of
 from .loops import LoopSolver
+from .signals import value_of
 from .slopes import Slopes
 from .system import Port, System
 
-__all__ = ["TRIAL", "Schedule"]
+__all__ = ["TRIAL", "Clock", "Schedule"]
 
 Values = tuple[NDArray[np.float64], NDArray[np.int32]]
 TRIAL = 1  # where a state is saved while another is
+
+
+class Clock:
+    """Time and size of a step, as the prepared fmi2DoStep calls read them, in s."""
+
+    def __init__(self) -> None:
+        self.time = c_double()
+        self.size = c_double()
+
+    def set(self, time: float, size: float) -> None:
+        """The step about to be taken begins at `time` and is `size` long."""
+        self.time.value = time
+        self.size.value = size
 
 
 class Schedule:
@@ -32,9 +47,8 @@ class Schedule:
         self.system = system
         self.exchange = exchange
         self.instances = instances
-        self._driven = exchange.driven_inputs()
-        #: made by algorithms.advance_of
-        self.advance: Callable[[float, float, float], None] | None = None
+        self._signals = exchange.signal_setters()
+        self.advance: Callable[[float, float], None] | None = None  # made by algorithms.advance_of
         self._states = {
             name: exchange.read(instances[name], 0) for name in system.nodes
         }  # outputs that are functions of the state alone
@@ -109,9 +123,7 @@ class Schedule:
         every = sorted(set(system.levels.values()))
         for solver in self._solvers:
             solver.begin()
-        for driven in exchange.driven.values():
-            driven.forget()
-        self._set_driven(time)
+        self._set_signals(time)
         for level in sorted(set(system.initial_levels.values())):
             ports = [port for port, at in system.initial_levels.items() if at == level]
             for name in dict.fromkeys(port[0] for port in ports):
@@ -138,7 +150,7 @@ class Schedule:
         if self.system.scene.hold == "first":
             handed_on = self._handed_on(names) if passing_on else ()
             shared = self.system, self.exchange, self.instances
-            slopes = Slopes(*shared, names, handed_on, clock)
+            slopes = Slopes(*shared, names, handed_on, clock.time, clock.size)
             for name in slopes.sources:
                 calls += self._freshen(name)
             calls += slopes.reads
@@ -147,7 +159,7 @@ class Schedule:
             calls += self._freshen(name)
             if name in setters:
                 calls.append(setters[name])
-            calls.append(self.exchange.do_step(self.instances[name], clock))
+            calls.append(self.exchange.do_step(self.instances[name], clock.time, clock.size))
             if passing_on and name in self.system.passing:
                 calls += self._states[name]
                 self._changed(name, 0)
@@ -188,13 +200,13 @@ class Schedule:
 
     def evaluate(self, time: float) -> None:
         """Inputs and outputs of the communication point `time`, consistent with one another."""
-        if self._driven:
-            self._set_driven(time)
+        if self._signals:
+            self._set_signals(time)
         self.run(self.evaluation)
 
-    def _set_driven(self, time: float) -> None:
-        for driven, buffer, place, real in self._driven:
-            value = driven.at(time)
+    def _set_signals(self, time: float) -> None:
+        for function, path, buffer, place, real in self._signals:
+            value = value_of(function, path, time)
             buffer[place] = value if real else int(value)  # type: ignore[assignment]
 
     def write_all(self) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
 from collections.abc import Callable
 from itertools import pairwise
@@ -14,17 +13,10 @@ import numpy as np
 from ..errors import CurveboundError, OutsideError, reading, said
 from .tables import read_csv
 
-__all__ = ["Driven", "Signal", "SignalLike", "jumps_of", "signal", "value_of"]
+__all__ = ["Signal", "SignalLike", "jumps_of", "signal", "value_of"]
 
 Signal = Callable[[float], float]
 SignalLike = float | int | bool | Signal | str | Path | tuple[Any, Any]
-
-#: of a step before its end, at which a function that may jump at the end is asked
-EARLY = 1e-6
-#: change of the slope from one step to the next, relative to it, that may be a jump
-SUDDEN = 0.5
-#: change of the slope, relative to it, by what lies between there and the end, that is one
-JUMP = 1e-3
 
 
 def value_of(function: Signal, path: str, time: float) -> float:
@@ -36,44 +28,6 @@ def value_of(function: Signal, path: str, time: float) -> float:
             f"The function that drives {path} fails at t = {time:.6g} s: {said(error)}. It must "
             "give a number at every time of the run."
         ) from error
-
-
-class Driven:
-    """An input that a function of time drives, asked once for each time; path: of the input."""
-
-    def __init__(self, function: Signal, path: str) -> None:
-        self.function = function
-        self.path = path
-        self._jumps = bool(jumps_of(function))
-        self.forget()
-
-    def forget(self) -> None:
-        """At the begin of a run."""
-        self._time = math.nan
-        self._value = 0.0
-        self._slope = 0.0
-
-    def at(self, time: float) -> float:
-        """The value at a time in s; OutsideError where the function fails."""
-        if time != self._time:
-            self._value = value_of(self.function, self.path, time)
-            self._time = time
-        return self._value
-
-    def slope(self, value: float, time: float, size: float, end: float) -> float:
-        """1/s, of the line from `value` at `time` to the end of a step of `size` s, at `end`.
-
-        Where the function jumps there, to what it is just before: the jump is met where it is. One
-        of less than half of what the step changes may be told by the function's table only.
-        """
-        slope = (self.at(end) - value) / size
-        if self._jumps or not abs(slope - self._slope) <= SUDDEN * abs(slope):
-            ahead = size * (1.0 - EARLY)
-            before = (value_of(self.function, self.path, time + ahead) - value) / ahead
-            if self._jumps or not abs(slope - before) <= JUMP * abs(slope):
-                slope = before
-        self._slope = slope
-        return slope
 
 
 def signal(given: SignalLike, path: str, unit: str | None = None) -> float | Signal:

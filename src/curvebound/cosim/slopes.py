@@ -1,10 +1,10 @@
 """Inputs linear in time over a macro step, from what drives them (first-order hold).
 
 A function of time is known ahead: its input goes in a straight line from its value at the start of
-the step to that at the end, or just before where it jumps there: a jump at a communication point is
-met where it is, and nothing overshoots. An input that another FMU drives is extrapolated with the
-derivative of that output at the start of the step. What cannot tell its derivative, or was handed
-on within the step (gauss_seidel), is held.
+the step to that just before the end, so that a jump at a communication point is met where it is and
+nothing overshoots. An input that another FMU drives is extrapolated with the derivative of that
+output at the start of the step. What cannot tell its derivative, or was handed on within the step
+(gauss_seidel), is held.
 """
 
 from __future__ import annotations
@@ -13,12 +13,15 @@ from collections.abc import Iterable, Sequence
 from ctypes import c_double, c_int, c_size_t, c_uint
 from typing import Any
 
-from .exchange import Call, Clock, Exchange
+from .exchange import Call, Exchange
 from .instance import Instance
-from .signals import Driven
-from .system import Link, Port, System
+from .signals import Signal, value_of
+from .system import Link, Port, System, path_of
 
 __all__ = ["Slopes", "has_slopes"]
+
+#: of a step before its end, at which a function is asked for the value at the end
+EARLY = 1e-6
 
 
 def takes_slope(system: System, target: Port) -> bool:
@@ -54,7 +57,7 @@ class Slopes:
     """The calls that ask for derivatives of outputs, and set those of inputs, of one step.
 
     names: components that step. handed_on: inputs that take what their source has reached at the
-    end of the step. clock: read when a call is made.
+    end of the step. time, size: of the step (s), read when a call is made.
 
     reads: find the derivatives at the start of the step, once inputs are those of its start. An
     output with direct feedthrough rises with the inputs of its component: it is asked after these
@@ -69,12 +72,14 @@ class Slopes:
         instances: dict[str, Instance],
         names: Sequence[str],
         handed_on: Iterable[Port],
-        clock: Clock,
+        time: c_double,
+        size: c_double,
     ) -> None:
         self.system = system
         self.exchange = exchange
         self.instances = instances
-        self.clock = clock
+        self.time = time
+        self.size = size
         held = set(handed_on)
         self._links = [
             link
@@ -114,8 +119,8 @@ class Slopes:
             link for link in self._links if link.target[0] == name and link.source in self._places
         ]
         signals = [
-            (port, driven)
-            for port, driven in self.exchange.driven.items()
+            (port, function)
+            for port, function in self.system.signals.items()
             if port[0] == name and takes_slope(self.system, port)
         ]
         if not joined and not signals:
@@ -123,7 +128,8 @@ class Slopes:
         targets = [port for port, _ in signals] + [link.target for link in joined]
         slopes = (c_double * len(targets))()
         known = [
-            (k, driven, self.exchange.input_place(port)) for k, (port, driven) in enumerate(signals)
+            (k, function, path_of(port), self.exchange.input_place(port))
+            for k, (port, function) in enumerate(signals)
         ]
         copies = [
             (len(signals) + k, *self._places[link.source], link.factor)
@@ -143,23 +149,25 @@ class Slopes:
     def _filled(
         self,
         call: Call,
-        signals: Sequence[tuple[int, Driven, int]],
+        signals: Sequence[tuple[int, Signal, str, int]],
         copies: Sequence[tuple[int, Any, int, float]],
         slopes: Any,
     ) -> Call:
         """A call with its slopes.
 
-        signals: place, what drives it, place of its value; copies: place, rates, place in them,
+        signals: place, function, path, place of its value; copies: place, rates, place in them,
         factor.
         """
         values = memoryview(self.exchange.reals)  # type: ignore[arg-type]
         found = memoryview(slopes).cast("B").cast("d")
-        clock = self.clock
+        time, size = self.time, self.size
 
         def set_slopes() -> Any:
-            time, size = clock.time.value, clock.size.value
-            for k, driven, place in signals:
-                found[k] = driven.slope(values[place], time, size, clock.end)
+            if signals:
+                ahead = size.value * (1.0 - EARLY)
+                end = time.value + ahead
+                for k, function, path, place in signals:
+                    found[k] = (value_of(function, path, end) - values[place]) / ahead
             for k, rates, i, factor in copies:
                 found[k] = factor * rates[i]
             return call()

@@ -105,7 +105,7 @@ class Stepwise(Prepared):
             raise CurveboundError(f"The scene {self.scene.name} has failed: begin anew.")
         step = self._next
         with self._failing():
-            self._advance(step.time, step.size, step.reached)
+            self._advance(step.time, step.size)
             schedule.evaluate(step.reached)
         self.time = step.reached
         self.number += step.whole
