@@ -203,6 +203,64 @@ def check_grid(tab: Tab) -> None:
     assert length * scale < 60 * 2.5
 
 
+def test_a_run_that_begins_later_is_drawn_to_its_end(tab: Tab, tmp_path: Path) -> None:
+    """Though its last time, as it is decoded, is a little before that."""
+    data = bead(0.5, 0.02)
+    data["time"] = np.linspace(0.1, 0.6, len(data))
+    tab.open(write_replay([("late", data)], tmp_path / "late.html"))
+    assert 0.0 < tab.run("curvebound.player.end - curvebound.frames.at(-1)") < 1e-15
+    outside = (
+        "[0.1, 0.6, 0.7].map((t) => curvebound.scene.place(curvebound.scene.actors[0], t).outside)"
+    )
+    assert tab.run(outside) == [False, False, True]
+
+
+POINTER = """((x, y) => {
+  const scene = curvebound.scene, real = scene.context, tips = [], told = [];
+  scene.context = {
+    beginPath() {}, fill() {},
+    lineTo: (...tip) => tips.push(tip), fillText: (...text) => told.push(text),
+  };
+  try {
+    scene.pointer(x, y, "red", { label: "it" }, { ink: "black", font: "" });
+    return [tips[0] ?? null, told, scene.context.textAlign ?? null];
+  } finally { scene.context = real; }
+})"""
+
+
+def test_a_body_outside_is_pointed_at_from_the_edge(tab: Tab, pages: dict[str, Path]) -> None:
+    tab.open(pages["bead"])
+    width, height = tab.run("[curvebound.scene.width, curvebound.scene.height]")
+    nothing = [None, [], None]
+    for x in (0.0, 0.5, width - 0.5, width):
+        for y in (0.0, 0.5, height - 0.5, height):
+            assert tab.run(f"{POINTER}({x}, {y})") == nothing, (x, y)
+    x, y = width / 2, height / 2
+    # the tip 4 pixels from the edge, towards the body; words beside it, inside
+    for at, tip, words, align in (
+        ((-0.1, y), (4.0, y), (34.0, y + 4.0), "left"),
+        ((width + 0.1, y), (width - 4.0, y), (width - 34.0, y + 4.0), "right"),
+        ((x, -0.1), (x, 4.0), (x + 18.0, 20.0), "left"),
+        ((x, height + 0.1), (x, height - 4.0), (x + 18.0, height - 12.0), "left"),
+    ):
+        found, told, aligned = tab.run(f"{POINTER}({at[0]}, {at[1]})")
+        assert found == pytest.approx(tip, abs=1e-9)
+        assert told == [["it is outside", pytest.approx(words[0]), pytest.approx(words[1])]]
+        assert aligned == align
+
+
+def test_a_gap_is_drawn_from_the_bead_to_its_wire(tab: Tab, tmp_path: Path) -> None:
+    data = bead(1.0, 0.02)
+    for axis in "xy":
+        data[f"bead.bead.{axis}"] *= 1.2
+    data["bead.constraint.drift"] = 0.2
+    tab.open(write_replay([("off", data)], tmp_path / "off.html"))
+    found = drawn(tab, 0.5)
+    (gap,) = (p for p in found.of(found.colours["actors"][0], 1.5) if len(p.points) == 2)
+    at = np.array([data["bead.bead.x"][25], data["bead.bead.y"][25]])
+    assert gap.points == pytest.approx(np.array([at, at / 1.2]), abs=1e-6)
+
+
 def test_zoom_keeps_the_point_under_the_pointer(tab: Tab, pages: dict[str, Path]) -> None:
     tab.open(pages["bead"])
     before = drawn(tab, 1.0).camera

@@ -70,6 +70,8 @@ def test_samples_at_and_between_times(tab: Tab) -> None:
     assert evaluated(tab, *(f"indexAt({t}, {at})" for at in places)) == list(places.values())
     nearest = {-1.0: 0, 0.4: 0, 0.6: 1, 1.2: 1, 1.3: 2, 2.2: 2, 2.3: 3, 9.0: 5}
     assert evaluated(tab, *(f"nearestIndex({t}, {at})" for at in nearest)) == list(nearest.values())
+    inside = {-4.01e-12: False, -3.99e-12: True, 2.0: True, 4 + 3.99e-12: True, 4 + 4.01e-12: False}
+    assert evaluated(tab, *(f"during({t}, {at!r})" for at in inside)) == list(inside.values())
     even = [0.0, 1.0, 1.5, 3.0, 4.0]
     squares = json.dumps([x * x for x in even])
     at = [0.0, 0.3, 1.2, 1.5, 2.5, 3.7, 4.0]

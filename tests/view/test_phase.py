@@ -18,6 +18,7 @@ PLOT = "curvebound.plots.at(-1)"
 MARKERS = (
     f"{PLOT}.marked.map(({{ marker }}) => marker.style.transform.match(/-?[\\d.]+/g).map(Number))"
 )
+NAMED = f"[...{PLOT}.legend.querySelectorAll('span')].map((one) => one.textContent)"
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +44,7 @@ def choose(tab: Tab, *names: str) -> None:
 def test_the_usual_pair_is_ready(tab: Tab, pages: dict[str, Path]) -> None:
     tab.open(pages["one"])
     assert tab.run(f"{PLOT}.chosen") == ["bead.angle", "bead.angular_velocity"]
+    assert tab.run(NAMED) == []  # one needs no name
     assert tab.run(f"!{PLOT}.element.hidden")
     tab.open(pages["pendulum"])
     assert tab.run(f"{PLOT}.chosen") == ["pendulum.angle", "pendulum.angular_velocity"]
@@ -83,6 +85,7 @@ def test_its_line_is_drawn_and_its_numbers_told(tab: Tab, pages: dict[str, Path]
     )
     assert inked == [True, True]
     assert tab.run(f"{PLOT}.lines.map(({{ text }}) => text)") == ["held", "free"]
+    assert tab.run(NAMED) == ["held", "free"]
     tab.run("curvebound.player.seek(1)")
     tab.key("o")
     tab.wait(f"{PLOT}.legend.textContent.includes('\u00b0/s')")

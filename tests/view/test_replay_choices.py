@@ -108,6 +108,26 @@ def test_plots_and_drawing_are_saved_as_png(tab: Tab, page: Path) -> None:
     assert tab.errors == []
 
 
+def test_the_legend_of_a_picture_has_the_colours_of_its_lines(tab: Tab, page: Path) -> None:
+    tab.open(page)
+    tab.run("HTMLAnchorElement.prototype.click = function () { window.saved = this.href; }")
+    press(tab, f"{CHART}.element", "PNG")
+    lines = tab.run(f"{CHART}.lines.map((one) => [one.colour(), one.dash.length > 0])")
+    paper = tab.run("curvebound.colours.paper")
+    # from the left, the middle of each line of the legend; they end the picture, 20 pixels each
+    rows = tab.run(
+        "(async () => { const image = new Image(); image.src = saved; await image.decode();"
+        "const c = new OffscreenCanvas(image.width, image.height).getContext('2d');"
+        "c.drawImage(image, 0, 0);"
+        f"return {list(range(len(lines)))}.map((k) => [...c.getImageData("
+        f"12, image.height - 20 * ({len(lines)} - k) + 2, 24, 1).data]); }})()"
+    )
+    for row, (colour, dashed) in zip(rows, lines, strict=True):
+        found = [f"#{bytes(row[i : i + 3]).hex()}" for i in range(0, len(row), 4)]
+        assert found[0] == found[-1] == colour
+        assert set(found) == {colour} | ({paper} if dashed else set())
+
+
 def test_it_tells_what_it_shows_and_what_differs(tab: Tab, tmp_path: Path) -> None:
     scene = load_scene("sampled_feedback")
     scenes = [scene, *(scene.with_variant(name) for name in scene.variants)]

@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from motions import table
 
-from curvebound.view.live import recording
+from curvebound.fmi.drawing import Drawing, Plot
+from curvebound.view.live import model, recording
 from curvebound.view.live.driven import Driven
 from curvebound.view.live.pace import Pace
 from curvebound.view.live.runs import Runs
@@ -185,6 +187,49 @@ def test_runs_show_time_outputs_and_what_is_drawn_of_controls() -> None:
     assert (runs.every, first.closed, beside.closed) == ([first], [], [True])
     runs.close()
     assert (runs.every, first.closed) == ([], [True])
+
+
+def plan_of_outputs(columns: dict[str, Any], **drawings: Any) -> Any:
+    """A plan with nothing but outputs, as far as plots look at it; `columns`: by path."""
+    system = SimpleNamespace(
+        recorded=[tuple(name.split(".", 1)) for name in columns],
+        drawings=lambda: drawings,
+        variable=lambda port: SimpleNamespace(unit="m/s" if port[1].startswith("speed") else None),
+    )
+    seen = table({"time": np.arange(3.0), **columns})
+    return SimpleNamespace(system=system, seen=seen, shown=[])
+
+
+def test_of_what_nobody_knows_the_first_four_are_shown() -> None:
+    columns = {f"engine.{name}": np.arange(3.0) for name in ("speed", "a", "b", "c", "d", "e")}
+    plots = model._plots(plan_of_outputs(columns))
+    assert [(plot["title"], plot["shown"]) for plot in plots] == [
+        (name, number < 4) for number, name in enumerate(columns)
+    ]
+    assert [plot["unit"] for plot in plots] == ["m/s"] + [""] * 5
+    assert [one["column"] for plot in plots for one in plot["series"]] == list(range(6))
+
+
+def test_a_drawing_says_which_plots_are_shown_four_at_most_and_what_moves() -> None:
+    rests, rises, sinks = [0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [3.0, np.nan, 2.0]
+    columns = {"plant.rests": rests, "plant.rises": rises, "plant.held": [2.0] * 3,
+               "plant.sinks": sinks}  # fmt: skip
+    plots = (
+        Plot("offered", ("held",), shown=False),
+        *(Plot(name, (name,), moving=True) for name in ("rests", "rises", "sinks")),
+        Plot("held", ("held",)),
+    )
+    drawing = Drawing(
+        name="arm", plots=plots, units={"rests": "m", "rises": "m", "sinks": "m", "held": "m"}
+    )
+    found = {plot["title"]: plot for plot in model._plots(plan_of_outputs(columns, plant=drawing))}
+    # four, counted with those that are offered only
+    expected = {"offered": False, "rests": False, "rises": True, "sinks": True, "held": False}
+    assert {title: plot["shown"] for title, plot in found.items()} == expected
+    scales = {title: found[title]["series"][0]["scale"] for title in found if title != "offered"}
+    # something that may move yet is written with decimals
+    assert scales == {"rests": [0.0, 1.5], "rises": [0.0, 2.0], "held": [2.0, 2.0],
+                      "sinks": [2.0, 3.0]}  # fmt: skip
 
 
 def test_what_changes_is_recorded_as_a_table_and_the_rest_as_start_values(tmp_path: Path) -> None:

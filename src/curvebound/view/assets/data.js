@@ -56,6 +56,13 @@ function indexAt(times, t) {
   return low;
 }
 
+// Whether t lies within the times of samples, whose ends are decoded with rounding errors.
+function during(times, t) {
+  const first = times[0], last = times[times.length - 1];
+  const rounding = 1e-12 * Math.max(Math.abs(first), Math.abs(last));
+  return t >= first - rounding && t <= last + rounding;
+}
+
 // Index of the sample nearest to t.
 function nearestIndex(times, t) {
   const i = indexAt(times, t);

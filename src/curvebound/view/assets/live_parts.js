@@ -19,7 +19,7 @@ function distancesOf({ samples: [first, second] }) {
     const other = first.actors[k];
     const source = second.derive((row) => {
       const t = second.times[row], times = first.view(first.times);
-      if (!(t >= times[0] && t <= times[times.length - 1] + 1e-9)) return NaN;
+      if (!during(times, t)) return NaN;
       const i = indexAt(times, t);
       const [dx, dy] = ["x", "y"].map((axis) => (
         valueAt(times, first.view(other.places[`${name} ${axis}`]), i, t) - actor.places[`${name} ${axis}`][row]));

@@ -259,8 +259,7 @@ class TimePlot {
   tell(t) {
     this.cells.forEach(({ value }, k) => {
       const one = this.series[k], { times, values } = one;
-      const past = t > times[times.length - 1] + 1e-9 || t < times[0] - 1e-9;
-      const text = past ? "\u2013" : told(one, values[nearestIndex(times, t)], this.turned(one));
+      const text = during(times, t) ? told(one, values[nearestIndex(times, t)], this.turned(one)) : "\u2013";
       if (value.textContent !== text) value.textContent = text;
     });
   }

@@ -71,9 +71,9 @@ class Page extends ScenePage {
     const t = this.hovered ?? this.player.time;
     for (const plot of this.plots) if (plot.chart) plot.tell(t);
     for (const one of this.cells) {
-      const { cell, times, values } = one, past = this.player.time > times[times.length - 1] + 1e-9;
-      const value = values[nearestIndex(times, this.player.time)];
-      const text = past ? "ended" : told(one, value, this.degrees ? degreesOf(one.unit) : null);
+      const { cell, times, values } = one, { time } = this.player;
+      const text = during(times, time) ? told(one, values[nearestIndex(times, time)], this.degrees ? degreesOf(one.unit) : null)
+        : time > times[0] ? "ended" : "\u2013";
       if (cell.textContent !== text) cell.textContent = text;
     }
     get("scrub").setAttribute("aria-valuetext", `${this.timeText(this.player.time)} seconds`);

@@ -154,15 +154,12 @@ def _owners(plan: Plan) -> list[tuple[str, Drawing]]:
 
 
 def _series(plan: Plan, name: str, drawing: Drawing | None, variable: str) -> dict[str, Any]:
-    column = f"{name}.{variable}"
     what = quantity(variable, drawing)
-    values = np.asarray(plan.seen[column], dtype=np.float64)
-    values = values[np.isfinite(values)]
-    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+    low, high = _range(plan, name, variable)
     if low == high == 0.0:
         high = 1.5  # it may move yet: decimals are wanted
     return {
-        "column": _columns(plan).index(column),
+        "column": _columns(plan).index(f"{name}.{variable}"),
         "component": name,
         "variable": variable,
         "label": what.label,
@@ -172,22 +169,29 @@ def _series(plan: Plan, name: str, drawing: Drawing | None, variable: str) -> di
     }
 
 
+def _range(plan: Plan, name: str, variable: str) -> tuple[float, float]:
+    """Least and greatest value in the run beforehand."""
+    values = np.asarray(plan.seen[f"{name}.{variable}"], dtype=np.float64)
+    values = values[np.isfinite(values)]
+    return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+
+
 def _plots(plan: Plan) -> list[dict[str, Any]]:
     """Every plot that the drawings declare, then one for each output that none declares."""
     columns = set(_columns(plan))
     owners = _owners(plan)
     plots: list[dict[str, Any]] = []
     for plot in plots_of([drawing for _, drawing in owners]):
-        series = [
-            _series(plan, name, drawing, variable)
+        found = [
+            (name, drawing, variable)
             for name, drawing in owners
             for variable in plot.names
             if f"{name}.{variable}" in columns
         ]
+        series = [_series(plan, *one) for one in found]
         if series:
-            moving = not plot.moving or any(
-                one["scale"][1] > one["scale"][0] != 0.0 for one in series
-            )
+            ranges = [_range(plan, name, variable) for name, _, variable in found]
+            moving = not plot.moving or any(low < high for low, high in ranges)
             plots.append(
                 {
                     "title": plot.title,
