@@ -24,6 +24,11 @@ def test_a_chain_is_consistent_when_initialization_ends(latch_fmu, gain_fmu):
     result = scene.record("gain.y", "latch3.y").run()
     assert list(result["gain.y"]) == [42.0, 43.0, 44.0]
     assert list(result["latch3.y"]) == [42.0, 42.0, 42.0]
+    # what is direct in initialization is a state's output afterwards
+    system = scene.check()
+    outputs = [("gain", "y"), ("latch1", "y"), ("latch2", "y"), ("latch3", "y")]
+    assert [system.initial_levels[port] for port in outputs] == [1, 2, 3, 4]
+    assert [system.levels[port] for port in outputs] == [1, 0, 0, 0]
 
 
 def test_a_loop_of_initialization_alone_is_found(latch_fmu):
