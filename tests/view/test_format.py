@@ -122,6 +122,20 @@ def test_a_result_that_is_over_says_so(tab: Tab, page: Path) -> None:
         assert texts.count("ended") in (0, len(texts) // 2)
 
 
+def test_a_result_that_has_not_begun_has_no_value(tab: Tab, tmp_path: Path) -> None:
+    late = bead(4.0, 0.05)
+    late["time"] += 1.0
+    tab.open(write_replay([("long", bead(10.0, 0.05)), ("late", late)], tmp_path / "late.html"))
+    for time, word in ((0.9, "\u2013"), (1.0, None), (5.0, None), (5.1, "ended")):
+        tab.run(f"curvebound.player.seek({time})")
+        tab.run("curvebound.tell()")
+        texts = tab.run("curvebound.cells.map(({ cell }) => cell.textContent)")
+        half = len(texts) // 2
+        assert [texts.count(one) for one in ("\u2013", "ended")] == [
+            half * (word == one) for one in ("\u2013", "ended")
+        ], time
+
+
 def test_pausing_and_another_pace_keep_the_time_that_has_passed(tab: Tab, page: Path) -> None:
     tab.open(page)
     script = (
