@@ -19,6 +19,7 @@ from curvebound.study.precision.repeated_timing import time_again
 from curvebound.study.precision.report import write_overview
 from curvebound.study.precision.study import Study
 from curvebound.study.runner import Runner
+from curvebound.study.settings import Setting
 
 
 def row(size: float, error: float, **changes: Any) -> dict[str, Any]:
@@ -159,6 +160,20 @@ def test_lessons_name_order_and_cheapest() -> None:
     assert order_of(rows, "angle", "adaptive") == pytest.approx(1.2)
     assert dict(crossings(rows))[1e-4]["size"] == pytest.approx(1e-4)
     assert any("angle adaptive from" in text for text in lessons(rows))
+
+
+def test_a_run_is_judged_by_every_point_up_to_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = load_scene("bead_on_wire")
+    scene.stop_time = 1.0
+    study = Study.of(scene)
+    setting = Setting((), "rk4", 0.1, 0.1, "gauss_seidel")
+    with Runner(scene, study.space, study.paths) as runner:
+        assert runner.glance(setting).times == pytest.approx(np.arange(11) / 10.0, abs=1e-15)
+        monkeypatch.setattr("curvebound.study.runner._KEPT", 9)
+        every_other = runner.glance(setting).times
+        assert every_other == pytest.approx(np.arange(0, 11, 2) / 10.0, abs=1e-15)
+        monkeypatch.setattr("curvebound.study.runner._KEPT", 10)
+        assert len(runner.glance(setting).times) == 11
 
 
 def test_a_simpler_model_is_judged_at_motions_of_many_sizes() -> None:

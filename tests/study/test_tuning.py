@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import curvebound
 from curvebound.cosim import load_scene
 from curvebound.errors import CurveboundError
 from curvebound.study.grid import Family, grid
@@ -113,6 +114,21 @@ def test_what_a_hold_changes_is_another_result() -> None:
     before = identity(scene.check())
     scene.hold = "first"
     assert identity(scene.check()) != before
+
+
+def test_other_sources_of_the_package_give_other_results(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    system = load_scene("shaken_wire").check()
+    before = identity(system)
+    package = Path(curvebound.__file__).parent
+    monkeypatch.setattr(
+        "curvebound.study.identity.cache.sources", lambda path: str(path == package)
+    )
+    changed = identity(system)
+    assert changed != before
+    monkeypatch.setattr("curvebound.study.identity.cache.sources", lambda path: "True")
+    assert identity(system) == changed
 
 
 def test_where_nothing_fits_it_says_by_how_much(
