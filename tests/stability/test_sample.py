@@ -12,11 +12,12 @@ import pytest
 from benchmarks.references import REFERENCES
 from rich.console import Console
 
-from curvebound.fmi.declaration import INPUT, PARAMETER
+from curvebound.fmi.declaration import INPUT, PARAMETER, parameter
 from curvebound.fmi.folder import find
+from curvebound.fmi.ranges import Range
 from curvebound.study.reference.motion import Motion
 from curvebound.study.reference.radau import solve
-from curvebound.study.stability import sample
+from curvebound.study.stability import ranges, sample
 from curvebound.study.stability.characteristic import LONGEST, exact
 from curvebound.study.stability.ranges import RandomPoint, draw, drawer, sampled
 from curvebound.study.stability.sample import Sampled, SampleSettings, run_sample, sample_error
@@ -198,6 +199,30 @@ def test_what_hardly_moves_is_measured_by_lengths_and_characteristic_times() -> 
     assert judged("slider.u") == pytest.approx(error / (1e-6 * length))
     assert judged("slider.u_rate") == pytest.approx(error / (1e-6 * length / 5.0))
     assert judged("pendulum.angular_velocity") == pytest.approx(error / (1e-6 / 5.0))
+
+
+def test_an_energy_is_off_by_a_part_of_what_is_at_stake() -> None:
+    columns = {
+        "energy.kinetic": np.array([0.0, 1.5, -0.5]),
+        "energy.potential": np.array([7.0, 6.5, 7.0]),
+        "energy.residual": np.array([0.0, 1e-3, -4e-3]),
+    }
+    assert sample._energy(columns) == pytest.approx(2e-3, rel=1e-15)
+    still = {name: np.zeros(3) for name in columns} | {"energy.residual": np.array([0.0, -3e-3])}
+    assert sample._energy(still) == 3e-3
+
+
+def test_a_range_keeps_to_the_domain_of_its_variable() -> None:
+    usual = Range(1e-3, 10.0, signed=True, share=0.3)
+    for minimum, above, expected in (
+        (0.0, False, Range(1e-3, 10.0, share=0.3)),
+        (0.0, True, Range(1e-3, 10.0)),
+        (2.0, False, Range(2.0, 10.0)),
+        (8.0, False, Range(8.0, 16.0)),
+    ):
+        domain = {"above" if above else "at_least": minimum}
+        variable = parameter("a.size", "m", 9.0, "", **domain)  # type: ignore[arg-type]
+        assert ranges._within(usual, variable) == expected
 
 
 def test_what_moves_is_measured_by_how_far() -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
 from curvebound.study.figures import COLOURS, heading, logarithmic, new_figure
-from curvebound.study.precision.plots import _colour, _floor, _times
+from curvebound.study.precision.plots import _colour, _floor, _legend, _times
 
 pytest.importorskip("matplotlib")
 
@@ -77,3 +80,15 @@ def test_every_method_has_a_colour() -> None:
     for method, colour in COLOURS.items():
         assert _colour(method) == colour
     assert _colour("ba") == _colour("ab") != _colour("aa")
+
+
+@pytest.mark.parametrize("forms", [["angle"], ["angle", "projection"]], ids=len)
+def test_a_legend_tells_forms_apart_where_there_are_several(forms: list[str]) -> None:
+    told: list[str] = []
+
+    def legend(*, handles: list[Any], ncols: int, **_: Any) -> None:
+        told.extend(handle.get_label() for handle in handles)
+        assert ncols == min(len(handles), 3)
+
+    _legend(SimpleNamespace(legend=legend), forms, ["rk4", "adaptive"], 3)
+    assert told == ["rk4", "adaptive", *(forms if len(forms) > 1 else [])]

@@ -196,3 +196,13 @@ def test_errors_are_judged_by_state_or_change(rate: float, h: float, scale: floa
     state = np.array([[-3.0]], dtype=Number)
     rates = np.array([[[0.0], [rate], [1.0]]], dtype=Number)
     assert float(collocation._scale(state, rates, Number(h))[0, 0]) == pytest.approx(scale)
+
+
+def test_accelerations_count_by_what_the_step_makes_of_them() -> None:
+    k = np.array([[0.25, -0.5], [0.0, 0.0]])
+    for state, units in (
+        ([0.0, 0.0, 0.0, 0.0], [0.5, 1.0]),  # what rests has no size of its own
+        ([0.0, 0.0, 0.5, -0.125], [1.0, 0.25]),
+        ([1e6, -1e5, 0.0, 0.0], [4.0, 0.4]),
+    ):
+        assert radau._units(k, np.array(state), 0.5) == pytest.approx(units, rel=1e-15)

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from curvebound.cosim import Scene, load_scene
+from curvebound.errors import CurveboundError
 from curvebound.study.reference.collocation import NOISE
+from curvebound.study.reference.equations import System, carried
 from curvebound.study.reference.reference import refer
 from curvebound.study.reference.reference_set import judge
+from curvebound.study.settings import space_of
 
 pytest.importorskip("mpmath")
 needs_long_double = pytest.mark.skipif(NOISE > 1e-18, reason="long double is a double here")
@@ -144,3 +148,26 @@ def test_judge_needs_a_reference_a_hundred_times_surer() -> None:
     verdict = judge(times, error, growing)
     assert verdict.judged
     assert verdict.until == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("texts", [{}, {"reference": "MAIN = ()"}], ids=len)
+def test_an_fmu_that_carries_no_equations_is_named(
+    texts: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(carried, "stated_in", lambda fmu: texts)
+    fmu: Any = SimpleNamespace(model_name="Odd", guid="{odd}", path=Path("odd.fmu"))
+    with pytest.raises(CurveboundError, match=r"no reference for the FMU Odd: .*EQUATIONS"):
+        carried.system_of(fmu)
+
+
+def test_choices_that_nothing_has_together_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = single("bead", "BeadOnWire", {}).check()
+    structures = ({"a": "one", "b": "one"}, {"a": "two", "b": "two"})
+    known = System("BeadOnWire", equations=None, structures=structures)  # type: ignore[arg-type]
+    monkeypatch.setattr("curvebound.study.settings.system_of", lambda fmu: known)
+    kept = space_of(system, {"bead.a": "two"}).structures
+    assert kept == [(("bead.a", "two"), ("bead.b", "two"))]
+    with pytest.raises(CurveboundError, match=r"has all of bead\.a=one, bead\.b=two"):
+        space_of(system, {"bead.a": "one", "bead.b": "two"})
+    with pytest.raises(CurveboundError, match=r"no choice bead\.a=three to keep; it has bead\.a="):
+        space_of(system, {"bead.a": "three"})
