@@ -192,7 +192,8 @@ class _Point:
         function = self.derived.function(prefix + name)
         s = dict(s)
         frame = self.derived.frame
-        for axis in "xy" if frame else "":
+        axes = "xy" if frame else ""
+        for axis in axes:
             push = s[f"{frame}.a{axis}"]
             s[f"field.{axis}"] = s[f"gravity.{axis}"] - push
             s[f"frame.a{axis}"] = push
