@@ -122,6 +122,24 @@ def test_a_result_that_is_over_says_so(tab: Tab, page: Path) -> None:
         assert texts.count("ended") in (0, len(texts) // 2)
 
 
+def test_the_last_sample_of_a_short_result_is_in_it_at_a_frame_of_a_long_one(
+    tab: Tab, tmp_path: Path
+) -> None:
+    """Times are packed in steps of 4e-11 s here: a frame at 10 s reads back as 10 + 1.8e-11 s."""
+    results = [("long", bead(40.0, 0.05)), ("short", bead(10.0, 0.05))]
+    tab.open(write_replay(results, tmp_path / "ends.html"))
+    place = "curvebound.scene.place(curvebound.scene.actors[1], curvebound.player.time).outside"
+    legends = "[...document.querySelectorAll('.plot output')].map((one) => one.textContent)"
+    for before, over in ((9.97, False), (10.02, True)):
+        tab.run(f"curvebound.player.seek({before}); curvebound.step(1); curvebound.tell()")
+        told = tab.run("curvebound.cells.map(({ cell }) => cell.textContent)")
+        assert told.count("ended") == over * len(told) // 2
+        shown = [text for text in tab.run(legends) if text]
+        assert len(shown) > 4  # as many of each, and the distance of the short one
+        assert shown.count("\u2013") == over * (len(shown) + 1) // 2
+        assert tab.run(place) is over
+
+
 def test_a_result_that_has_not_begun_has_no_value(tab: Tab, tmp_path: Path) -> None:
     late = bead(4.0, 0.05)
     late["time"] += 1.0

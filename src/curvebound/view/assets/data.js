@@ -56,10 +56,11 @@ function indexAt(times, t) {
   return low;
 }
 
-// Whether t lies within the times of samples, whose ends are decoded with rounding errors.
-function during(times, t) {
+// Whether t lies within the times of samples, but for rounding: t may be the time of another run's
+// sample, which packing moves by up to 5e-13 of that run's length; longest: that of all runs, in s.
+function during(times, t, longest = 0) {
   const first = times[0], last = times[times.length - 1];
-  const rounding = 1e-12 * Math.max(Math.abs(first), Math.abs(last));
+  const rounding = 1e-12 * Math.max(Math.abs(first), Math.abs(last), longest);
   return t >= first - rounding && t <= last + rounding;
 }
 

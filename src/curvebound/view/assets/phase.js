@@ -233,7 +233,8 @@ class PhasePlot {
   tell(t) {
     for (const { line: { x, y }, value } of this.marked) {
       const i = nearestIndex(x.times, t);
-      const text = [x, y].map((one, axis) => told(one, one.values[i], this.turned(axis) === 1 ? null : degreesOf(one.unit))).join(", ");
+      const text = during(x.times, t, this.page.longest)
+        ? [x, y].map((one, axis) => told(one, one.values[i], this.turned(axis) === 1 ? null : degreesOf(one.unit))).join(", ") : "\u2013";
       if (value.textContent !== text) value.textContent = text;
     }
   }

@@ -4,7 +4,7 @@ const DASHES = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
 
 class TimePlot {
   // spec: a plot of the model; page: {name, colours, range(), seek(t), hover(t), many, hides(actor),
-  // degrees()}.
+  // degrees(), longest}, the last as of `during`.
   constructor(spec, channels, page) {
     this.spec = spec;
     this.page = page;
@@ -259,7 +259,7 @@ class TimePlot {
   tell(t) {
     this.cells.forEach(({ value }, k) => {
       const one = this.series[k], { times, values } = one;
-      const text = during(times, t) ? told(one, values[nearestIndex(times, t)], this.turned(one)) : "\u2013";
+      const text = during(times, t, this.page.longest) ? told(one, values[nearestIndex(times, t)], this.turned(one)) : "\u2013";
       if (value.textContent !== text) value.textContent = text;
     });
   }

@@ -20,6 +20,7 @@ class Page extends ScenePage {
     buildAbout(model);
     if (model.actors.length) {
       this.scene = new Scene(get("scene"), model, channels, () => this.colours);
+      this.scene.longest = this.player.length;
       this.buildLegend();
       buildArrows(this);
       listenScene(this);
@@ -71,8 +72,8 @@ class Page extends ScenePage {
     const t = this.hovered ?? this.player.time;
     for (const plot of this.plots) if (plot.chart) plot.tell(t);
     for (const one of this.cells) {
-      const { cell, times, values } = one, { time } = this.player;
-      const text = during(times, time) ? told(one, values[nearestIndex(times, time)], this.degrees ? degreesOf(one.unit) : null)
+      const { cell, times, values } = one, { time, length } = this.player;
+      const text = during(times, time, length) ? told(one, values[nearestIndex(times, time)], this.degrees ? degreesOf(one.unit) : null)
         : time > times[0] ? "ended" : "\u2013";
       if (cell.textContent !== text) cell.textContent = text;
     }
@@ -226,7 +227,7 @@ class Page extends ScenePage {
   buildPlots() {
     const page = {
       name: this.model.title, hides: (actor) => this.scene?.hidden.has(actor) ?? false, degrees: () => this.degrees,
-      colours: () => this.colours, many: this.many,
+      colours: () => this.colours, many: this.many, longest: this.player.length,
       range: () => this.range(), seek: (t) => this.player.seek(t), hover: (t) => this.hover(t),
       zoomTime: (factor, t) => this.zoomTime(factor, t),
     };

@@ -92,7 +92,7 @@ class Scene {
     for (const [name, samples] of Object.entries(actor.places)) {
       values[name] = valueAt(actor.times, samples, i, t);
     }
-    const outside = !during(actor.times, t);
+    const outside = !during(actor.times, t, this.longest);
     const blank = Object.values(values).some(Number.isNaN);
     if (blank) {
       for (const [name, samples] of Object.entries(actor.places)) {
