@@ -44,11 +44,12 @@ class ModelParts(SizeParts):
         stated = [*numerators, denominator, *d.shared.values(), d.kinetic, *d.potential_terms]
         stated += [*d.fed, *self.outputs.forces.values()]
         stated += [r.external for r in d.raw] + [r.drag for r in d.raw] + d.couples
-        c = d.constraint
-        stated += [] if c is None else [c.equation, c.coordinate, c.distance]
-        used = {s for e in stated for s in sympy.sympify(e).free_symbols}
-        used -= {*d.place, *d.motion, *d.shared, *d.field}
-        used -= set() if c is None else {*c.p}
+        known = {*d.place, *d.motion, *d.shared, *d.field}
+        if d.constraint is not None:
+            c = d.constraint
+            stated += [c.equation, c.coordinate, c.distance]
+            known |= {*c.p}
+        used = {s for e in stated for s in sympy.sympify(e).free_symbols} - known
         return sorted(used, key=str)
 
     @cached_property

@@ -192,13 +192,13 @@ class _Point:
         function = self.derived.function(prefix + name)
         s = dict(s)
         frame = self.derived.frame
-        axes = "xy" if frame else ""
-        for axis in axes:
-            push = s[f"{frame}.a{axis}"]
-            s[f"field.{axis}"] = s[f"gravity.{axis}"] - push
-            s[f"frame.a{axis}"] = push
-            for n in (axis, f"v{axis}"):
-                s[f"frame.{n}"] = s.get(f"{frame}.{n}", s[f"frame.{n}"])
+        if frame:
+            for axis in "xy":
+                push = s[f"{frame}.a{axis}"]
+                s[f"field.{axis}"] = s[f"gravity.{axis}"] - push
+                s[f"frame.a{axis}"] = push
+                for n in (axis, f"v{axis}"):
+                    s[f"frame.{n}"] = s.get(f"{frame}.{n}", s[f"frame.{n}"])
         if self.linear and name == "reactions":
             accelerations = self.derived.function("linear_accelerations")(self.F, s)
             s |= {f"acceleration.{i}": a for i, a in enumerate(accelerations)}

@@ -155,11 +155,12 @@ def _owners(plan: Plan) -> list[tuple[str, Drawing]]:
 
 def _series(plan: Plan, name: str, drawing: Drawing | None, variable: str) -> dict[str, Any]:
     what = quantity(variable, drawing)
-    low, high = _range(plan, name, variable)
+    column = f"{name}.{variable}"
+    low, high = _range(plan, column)
     if low == high == 0.0:
         high = 1.5  # it may move yet: decimals are wanted
     return {
-        "column": _columns(plan).index(f"{name}.{variable}"),
+        "column": _columns(plan).index(column),
         "component": name,
         "variable": variable,
         "label": what.label,
@@ -169,9 +170,9 @@ def _series(plan: Plan, name: str, drawing: Drawing | None, variable: str) -> di
     }
 
 
-def _range(plan: Plan, name: str, variable: str) -> tuple[float, float]:
+def _range(plan: Plan, column: str) -> tuple[float, float]:
     """Least and greatest value in the run beforehand."""
-    values = np.asarray(plan.seen[f"{name}.{variable}"], dtype=np.float64)
+    values = np.asarray(plan.seen[column], dtype=np.float64)
     values = values[np.isfinite(values)]
     return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
 
@@ -182,15 +183,14 @@ def _plots(plan: Plan) -> list[dict[str, Any]]:
     owners = _owners(plan)
     plots: list[dict[str, Any]] = []
     for plot in plots_of([drawing for _, drawing in owners]):
-        found = [
-            (name, drawing, variable)
+        series = [
+            _series(plan, name, drawing, variable)
             for name, drawing in owners
             for variable in plot.names
             if f"{name}.{variable}" in columns
         ]
-        series = [_series(plan, *one) for one in found]
         if series:
-            ranges = [_range(plan, name, variable) for name, _, variable in found]
+            ranges = (_range(plan, f"{one['component']}.{one['variable']}") for one in series)
             moving = not plot.moving or any(low < high for low, high in ranges)
             plots.append(
                 {
