@@ -83,21 +83,13 @@ for name in [*order, *order]:
 """
 
 _MANY = """
-import ctypes, gc, json, os, shutil, sys
+import gc, json, os, shutil, sys
 from contextlib import suppress
 from pathlib import Path
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from harness import OK, Extracted
-
-class Heap(ctypes.Structure):  # struct mallinfo2
-    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "ordblks", "smblks", "hblks",
-                "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks", "keepcost")]
-mallinfo2 = ctypes.CDLL(None).mallinfo2
-mallinfo2.restype = Heap
-
-def heap():  # what malloc gave: Python's own small objects are elsewhere
-    return mallinfo2().uordblks + mallinfo2().hblkhd
+from heap import heap
 
 def memory():
     gc.collect()

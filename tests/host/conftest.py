@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import heap
 import pytest
 from pythonfmu.builder import FmuBuilder
 
@@ -244,7 +246,6 @@ def copy_of(tmp_path: Path) -> Callable[[Unpacked, str], Unpacked]:
 
 
 _ODD = '''
-import ctypes
 import gc
 import weakref
 
@@ -252,17 +253,6 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Integer, Real, String
 from pythonfmu.enums import Fmi2Status
 
 GIVEN = []  # weak references to what the binary was given
-
-
-class Heap(ctypes.Structure):  # struct mallinfo2
-    _fields_ = [("before", ctypes.c_size_t * 7), ("used", ctypes.c_size_t * 3)]
-
-
-def heap():
-    """Bytes of what malloc gave: Python's own small objects are elsewhere."""
-    mallinfo2 = ctypes.CDLL(None).mallinfo2
-    mallinfo2.restype = Heap
-    return mallinfo2().used[0]
 
 
 class Text(str):
@@ -349,7 +339,7 @@ def odd(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     library = compile_binary()
     if library is None:
         pytest.skip(why_not())
-    (folder / "odd_slave.py").write_text(_ODD)
+    (folder / "odd_slave.py").write_text(inspect.getsource(heap) + _ODD)
     before = sys.path[:]
     archive = FmuBuilder.build_FMU(folder / "odd_slave.py", dest=folder)
     sys.path[:] = before

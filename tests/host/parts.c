@@ -1,4 +1,5 @@
-/* Texts, resource locations, handles and direct calls of the FMU's library, by values; prints what is not as it should be. */
+/* Texts, resource locations, handles and direct calls of the FMU's library, by values; prints what is
+ * not as it should be. */
 #define _GNU_SOURCE
 #include "text.c"
 #include "uri.c"

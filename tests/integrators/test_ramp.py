@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import random
 from functools import cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+from kernel_module import kernel_module
 from scipy.integrate import solve_ivp
 
 from curvebound.fmi.folder import find
@@ -71,10 +71,8 @@ HORIZONTAL = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0]
 
 
 @cache
-def derived(fmu: str) -> ModuleType:
-    module = ModuleType(f"derived_{fmu}")
-    exec(find(fmu).derived().kernel, module.__dict__)
-    return module
+def derived(fmu: str) -> Any:
+    return kernel_module(find(fmu).derived())
 
 
 def started(kernel: str, *, steady: bool = False) -> tuple[Any, dict[str, float]]:

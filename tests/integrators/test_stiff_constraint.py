@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from types import ModuleType
 from typing import Any
 
 import pytest
+from kernel_module import kernel_module
 
 from curvebound.fmi.folder import find
 from curvebound.kernel.adaptive import Adaptive
@@ -29,9 +29,7 @@ def kernel(form: str) -> Any:
     folder = find("BeadOnWire")
     if form == "by hand":
         return folder.module("kernel")
-    module = ModuleType("derived")
-    exec(folder.derived().kernel, module.__dict__)
-    return module
+    return kernel_module(folder.derived())
 
 
 def bead(form: str, radius: float, rate: float, stiffness: float, damping: float) -> Any:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
+from kernel_module import kernel_module
 
 from curvebound.fmi.folder import Folder
 from curvebound.mechanics.derive import derive_text
@@ -37,10 +37,8 @@ VALUES = {
 
 
 def started(formulation: int) -> Any:
-    module = ModuleType("bead")
-    exec(derive_text(TEXT, "bead", "here").kernel, module.__dict__)
     choices = {"model.formulation": formulation, "constraint.stabilization": 1}
-    model = module.model(choices)  # type: ignore[attr-defined]
+    model = kernel_module(derive_text(TEXT, "bead", "here")).model(choices)
     assert set(model.PARAMETERS) | set(model.INPUTS) == VALUES.keys()
     model.start({n: VALUES[n] for n in model.PARAMETERS}, choices)
     model.set_inputs([VALUES[n] for n in model.INPUTS], 0)
@@ -79,11 +77,9 @@ def test_parameters_of_the_constraint_alone(formulation: int) -> None:
 
 def on_ellipse(angle: float, rate: float, stabilization: int) -> Any:
     """A bead on the ellipse of half axes 2 and 1."""
-    module = ModuleType("ellipse")
     folder = Folder(Path(__file__).parent / "systems" / "bead_on_ellipse")
-    exec(folder.derived().kernel, module.__dict__)
     choices = {"model.formulation": 1, "constraint.stabilization": stabilization}
-    model = module.model(choices)  # type: ignore[attr-defined]
+    model = kernel_module(folder.derived()).model(choices)
     given = {"wire.width": 2.0, "wire.height": 1.0, "bead.mass": 1.0, "bead.angle_start": angle}
     given |= {"bead.angular_velocity_start": rate}
     model.start({**dict.fromkeys(model.PARAMETERS, 0.0), **given}, choices)

@@ -6,10 +6,11 @@ No curve couples its coordinates, so that all can be written down without the de
 from __future__ import annotations
 
 import random
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from kernel_module import kernel_module
 
 from curvebound.mechanics.derive import derive_text
 from curvebound.mechanics.derived import Derived
@@ -40,9 +41,7 @@ def body(request: pytest.FixtureRequest) -> Derived:
 def started(derived: Derived, **more: float) -> tuple[Any, Any, dict[str, float]]:
     """Its model, moving at random, all values at the start by short names, and by their own."""
     rng = random.Random(7)
-    module = ModuleType("free")
-    exec(derived.kernel, module.__dict__)
-    model = module.model({})  # type: ignore[attr-defined]
+    model = kernel_module(derived).model({})
     given = {n: rng.uniform(0.5, 2.0) for n in (*model.PARAMETERS, *model.INPUTS)} | more
     model.start(given, {})
     model.x, model.y, model.vx, model.vy = (rng.uniform(0.5, 2.0) for _ in range(4))

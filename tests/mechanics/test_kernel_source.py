@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterator
-from types import ModuleType
 from typing import Any
 
 import pytest
+from kernel_module import kernel_module
 from sympy import Matrix, cos, sin
 
 from curvebound.fmi.folder import find
@@ -26,11 +26,8 @@ ITEMS = {
 CLOSE = 1e-12
 
 
-def kernel(name: str) -> ModuleType:
-    module = ModuleType(f"derived_{name}")
-    text = find(NAMES[name]).derived().kernel
-    exec(compile(text, f"derived kernel of {name}", "exec"), module.__dict__)
-    return module
+def kernel(name: str) -> Any:
+    return kernel_module(find(NAMES[name]).derived())
 
 
 def pairs(name: str, count: int) -> Iterator[tuple[Any, Any, float]]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from kernel_module import kernel_module
 
 from curvebound.mechanics.derive import derive_text
 from curvebound.mechanics.derived import Derived
@@ -38,9 +39,7 @@ def pendulum() -> Derived:
 def started(derived: Derived, **more: float) -> tuple[Any, Any]:
     """The linear model, and all values by short names; x: from upright, w: its rate."""
     values = VALUES | {n.replace("__", "."): x for n, x in more.items()}
-    module = ModuleType("upright")
-    exec(derived.kernel, module.__dict__)
-    model = module.model({"model.fidelity": 1})  # type: ignore[attr-defined]
+    model = kernel_module(derived).model({"model.fidelity": 1})
     model.start({n: values[n] for n in model.PARAMETERS}, {"model.fidelity": 1})
     model.set_inputs([values[n] for n in model.INPUTS], 0)
     s = SimpleNamespace(**{n.replace(".", "_"): x for n, x in values.items()})

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
+from kernel_module import kernel_module
 
 from curvebound.fmi.folder import Folder
 from curvebound.mechanics.derive import derive_text
@@ -38,10 +38,8 @@ def started(name: str, choices: dict[str, int] | None = None, **values: float) -
         derived = derive_text(TEXTS[name], name, name)
     else:
         derived = Folder(FOLDERS[name]).derived()
-    module = ModuleType(name)
-    exec(derived.kernel, module.__dict__)
     given = {n.replace("__", "."): x for n, x in values.items()}
-    model = module.model(choices or {})  # type: ignore[attr-defined]
+    model = kernel_module(derived).model(choices or {})
     start = {n: 1.0 if n.endswith((".mass", ".length", ".radius")) else 0.0 for n in
              model.PARAMETERS}  # fmt: skip
     model.start({**start, "gravity.y": -9.81, **given}, choices or {})

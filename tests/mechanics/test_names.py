@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from types import ModuleType
-
 import pytest
+from kernel_module import kernel_module
 
 from curvebound.mechanics.derive import derive_text
 
@@ -22,9 +21,7 @@ MECHANICS = Mechanics(
 
 
 def test_names_that_are_taken() -> None:
-    module = ModuleType("names")
-    exec(derive_text(TEXT, "names", "here").kernel, module.__dict__)
-    model = module.model({})  # type: ignore[attr-defined]
+    model = kernel_module(derive_text(TEXT, "names", "here")).model({})
     values = {n: 0.7 + 0.1 * i for i, n in enumerate((*model.PARAMETERS, *model.INPUTS))}
     model.start(values, {})
     model.set_inputs([values[n] for n in model.INPUTS], 0)

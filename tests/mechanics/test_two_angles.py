@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from types import ModuleType
 from typing import Any
 
 import pytest
+from kernel_module import kernel_module
 
 from curvebound.mechanics.derive import derive_text
 
@@ -20,9 +20,7 @@ TURN = 2.0 * math.pi
 
 
 def started(first: float, second: float) -> Any:
-    module = ModuleType("angles")
-    exec(derive_text(TEXT, "angles", "here").kernel, module.__dict__)
-    model = module.model({})  # type: ignore[attr-defined]
+    model = kernel_module(derive_text(TEXT, "angles", "here")).model({})
     values = dict.fromkeys(model.PARAMETERS, 1.0)
     model.start({**values, "first.angle_start": first, "second.angle_start": second}, {})
     model.set_inputs([0.0] * len(model.INPUTS), 0)

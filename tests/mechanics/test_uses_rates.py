@@ -6,10 +6,10 @@ import itertools
 import math
 import random
 from collections.abc import Callable, Iterator
-from types import ModuleType
 from typing import Any
 
 import pytest
+from kernel_module import kernel_module
 
 from curvebound.fmi.folder import Folder, find
 from curvebound.kernel.adaptive import Adaptive
@@ -30,9 +30,7 @@ def factory_of(name: str) -> Factory:
     """What makes the models of a system, by hand or derived."""
     if name in BY_HAND:
         return find(name).module("kernel").model  # type: ignore[no-any-return]
-    module = ModuleType(f"derived_{name}")
-    exec(Folder(FOLDERS[name]).derived().kernel, module.__dict__)
-    return module.model  # type: ignore[attr-defined, no-any-return]
+    return kernel_module(Folder(FOLDERS[name]).derived()).model  # type: ignore[no-any-return]
 
 
 @pytest.fixture(params=[*BY_HAND, *EACH])

@@ -11,7 +11,7 @@ import pytest
 
 from curvebound.fmi.folder import find
 from curvebound.kernel.methods import METHODS, create
-from curvebound.mechanics.derive import derive
+from curvebound.mechanics.derive import derive_text
 from curvebound.study.reference.motion import Motion
 from curvebound.study.stability.probe import Probe
 from curvebound.study.stability.ranges import sampled
@@ -95,15 +95,16 @@ def test_how_far_a_bead_goes_until_its_path_has_turned() -> None:
     assert there == pytest.approx([0.25, math.hypot(1.0, 1.2) / 4.0], rel=1e-14)
 
 
-def test_how_far_it_goes_along_a_wire_that_bends(tmp_path: Path) -> None:
+BENDING = """
+from curvebound.mechanics import Mechanics, length, mass, shape
+x, a = length("bead.u"), shape("wire.bend")
+MECHANICS = Mechanics([x], [mass("bead", x, a * x**2)])
+"""
+
+
+def test_how_far_it_goes_along_a_wire_that_bends() -> None:
     """y = (1 + t) x^2: from one turn per 2 m^-1 to one per 4."""
-    (tmp_path / "bending").mkdir()
-    (tmp_path / "bending" / "mechanics.py").write_text(
-        "from curvebound.mechanics import Mechanics, length, mass, shape\n"
-        "x, a = length('bead.u'), shape('wire.bend')\n"
-        "MECHANICS = Mechanics([x], [mass('bead', x, a * x**2)])\n"
-    )
-    derived = derive(tmp_path / "bending" / "mechanics.py", "Bending")
+    derived = derive_text(BENDING, "Bending", "here")
     values = {v.name: 0.0 for v in derived.variables} | {"gravity.x": 3.0, "gravity.y": 0.0}
     bend = {"wire.bend_start": 1.0, "wire.bend_rate_start": 1.0}
     motion = Motion(derived, {**values, "bead.mass": 1.0, **bend})
