@@ -185,9 +185,11 @@ class ParabolaDrive(Law):
             return self.amplitude
         return self.amplitude * wave(self.cycles(elapsed), self.phase)
 
-    def waveform_rate(self, time: float) -> float:
-        """Its time derivative from `time` (s) on."""
-        elapsed = self.elapsed(time)
+    def waveform_rate(self, axis: int) -> float:
+        """Its time derivative in the output of an axis, from the present time on."""
+        if self.axis != axis or self.period != 0.0:
+            return 0.0
+        elapsed = self.elapsed(self.time)
         frequency = self.present_frequency(elapsed)
         return self.amplitude * wave_rate(self.cycles(elapsed), self.phase, frequency)
 
@@ -367,17 +369,22 @@ class ParabolaDrive(Law):
             changes[0] -= k * seed
         return changes
 
-    def output_rates(self, slopes: Inputs) -> list[float]:
-        time = self.time
-        if self.period != 0.0:
-            return [0.0, 0.0, 0.0]
-        rates = self.output_changes([slopes[i] for i in range(len(self.INPUTS))])
-        rate = self.waveform_rate(time)
-        if self.axis != X:
-            rates[self.axis - 1] = rate
-        elif math.fabs(self.controlled(time)) < self.limit:
-            rates[0] += rate
-        return rates
+    def find_rates(self, group: int, slopes: Inputs, rates: Values, first: int) -> None:
+        if group == 1:
+            rates[first + 1] = self.waveform_rate(Y)
+            rates[first + 2] = self.waveform_rate(COEFFICIENT)
+        elif self.period != 0.0 or math.fabs(self.controlled(self.time)) >= self.limit:
+            rates[first] = 0.0
+        else:
+            rates[first] = (
+                self.waveform_rate(X)
+                - self.k_u * slopes[0]
+                - self.k_u_rate * slopes[1]
+                - self.k_angle * slopes[2]
+                - self.k_rate * slopes[3]
+                - self.k_x * slopes[4]
+                - self.k_vx * slopes[5]
+            )
 
 
 def law() -> ParabolaDrive:

@@ -273,3 +273,19 @@ def test_a_kernel_by_hand_has_the_declared_variables(
     with pytest.raises(CurveboundError, match=said) as caught:
         Folder(own).fmu()
     assert len(str(caught.value).replace(str(own), "")) < 260
+
+
+def test_a_kernel_by_hand_has_few_groups_of_outputs(tmp_path: Path) -> None:
+    own = tmp_path / "bead_on_wire"
+    shutil.copytree(find("BeadOnWire").path, own, ignore=shutil.ignore_patterns("__pycache__"))
+    kernel = own / "base.py"
+    last = '"constraint.force": '
+    text = kernel.read_text(encoding="utf-8")
+    assert text.count(f"{last}2,") == 1
+    for group, refused in ((13, False), (14, True)):
+        kernel.write_text(text.replace(f"{last}2,", f"{last}{group},"), encoding="utf-8")
+        if refused:
+            with pytest.raises(CurveboundError, match="outputs in 15 groups: there can be 14;"):
+                Folder(own).fmu()
+        else:
+            Folder(own).fmu()

@@ -217,14 +217,15 @@ static void handles(void)
 
 /* what Python answers about the capsules of direct.py: by name, the type that each is given */
 Python py;
-static const char *types[4];
+enum { FUNCTIONS = 5 };
+static const char *types[FUNCTIONS];
 static int none, engine, functions;
 
 static void *capsule(void *dict, const char *name)
 {
     static const char *const names[] = {"direct__do_step", "direct__get_real", "direct__set_real",
-                                        "direct__set_slope"};
-    for (int k = 0; k < 4; k++)
+                                        "direct__set_slope", "direct__get_rate"};
+    for (int k = 0; k < FUNCTIONS; k++)
         if (dict == &functions && strcmp(name, names[k]) == 0 && types[k])
             return &types[k];
     return NULL;
@@ -244,7 +245,7 @@ static bool is_direct(void *of_slave)
     Direct direct = {0};
     find_direct(&direct, of_slave);
     return direct.engine == &engine && (void *)direct.do_step == &types[0] &&
-           (void *)direct.set_slope == &types[3];
+           (void *)direct.set_slope == &types[3] && (void *)direct.get_rate == &types[4];
 }
 
 static void direct(void)
@@ -254,6 +255,7 @@ static void direct(void)
         "double (struct DerivativeEngine *, PY_LONG_LONG)",
         "int (struct DerivativeEngine *, PY_LONG_LONG, double)",
         "int (struct DerivativeEngine *, PY_LONG_LONG, PY_LONG_LONG, double)",
+        "double (struct DerivativeEngine *, PY_LONG_LONG, PY_LONG_LONG)",
     };
     py.PyDict_GetItemString = capsule;
     py.PyCapsule_GetName = type_of;
@@ -266,7 +268,7 @@ static void direct(void)
     CHECK(is_direct(&functions));
     CHECK(!is_direct(&none) && !is_direct(NULL));
     /* one that is not there, has another result, or takes something else */
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < FUNCTIONS; k++) {
         char other[100] = "float ";
         strcat(other, strchr(expected[k], '('));
         const char *const others[] = {NULL, other, "int", "double (void)",

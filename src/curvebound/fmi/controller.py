@@ -41,10 +41,8 @@ class ControllerEngine(DerivativeEngine):
     def observe(self, group: int) -> None:
         self.law.observe(group, self.reals, self.table.first_output)
 
-    def output_rates(self) -> list[float]:
-        if not self.ready():
-            return [0.0] * len(self.law.OUTPUTS)
-        return self.law.output_rates(self.slopes.each)
+    def find_rates(self, group: int) -> None:
+        self.law.find_rates(group, self.slopes.each, self.rates, self.table.first_output)
 
     def has_changes(self) -> bool:
         return self.law.HAS_CHANGES

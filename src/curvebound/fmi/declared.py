@@ -22,6 +22,7 @@ from .declaration import (
     Fmu,
     Variable,
 )
+from .table import RATES
 
 if TYPE_CHECKING:
     from ..kernel.base import Model
@@ -139,6 +140,12 @@ def check_kernel(fmu: Fmu, factory: Callable[[dict[str, int]], Model], where: Pa
         ) from error
     except (ValueError, ArithmeticError):
         return  # the FMU tells of such start values itself
+    groups = max(model.OUTPUTS.values(), default=0) + 1
+    if groups >= RATES:
+        raise CurveboundError(
+            f"the kernel.py of {where} has its outputs in {groups} groups: there can be "
+            f"{RATES - 1}; compute more of them together"
+        )
     for kind, own in ((INPUT, model.INPUTS), (OUTPUT, model.OUTPUTS)):
         declared = [v.name for v in fmu.variables if v.kind == kind]
         for a, b in zip_longest(declared, own):

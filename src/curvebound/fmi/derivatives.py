@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
+from ..kernel.base import MOST_VARIABLES, Values
 from .engine import INITIALIZATION, INSTANTIATED, Engine
-from .table import COUNT, INPUT, LARGEST, OUTPUT, OVERFLOW
+from .table import COUNT, INPUT, LARGEST, NO_GROUP, OUTPUT, OVERFLOW, RATE, Table
 
 __all__ = ["DerivativeEngine"]
 
@@ -26,9 +28,14 @@ _NO_KNOWN: Final = (
 class DerivativeEngine(Engine):
     """Slopes of inputs, rates of outputs, and changes of outputs with inputs."""
 
+    def __init__(self, table: Table, guid: str) -> None:
+        #: time derivatives of the outputs, at their places in `reals`
+        self.rates: Values = [0.0] * MOST_VARIABLES
+        super().__init__(table, guid)
+
     # -- what subclasses know ----------------------------------------------------------------------
-    def output_rates(self) -> list[float]:
-        """Time derivatives of all outputs, in their order; infinite where there is none."""
+    def find_rates(self, group: int) -> None:
+        """Compute the time derivatives of the outputs of a group into `rates`."""
         raise NotImplementedError
 
     def output_changes(self, seeds: list[float]) -> list[float]:
@@ -48,46 +55,55 @@ class DerivativeEngine(Engine):
 
     def take_slope(self, vr: int, order: int, value: float) -> None:
         """Make one input linear in time over the next step."""
-        if not self.is_one_of(vr, INPUT, INPUT, _NO_INPUT):
-            return
-        if order != 1:
+        if order == 1 and self.is_kind(vr, INPUT):
+            self.fresh &= RATE - 1
+            self.slopes.take(vr, value)
+        elif self.is_one_of(vr, INPUT, INPUT, _NO_INPUT):
             self.fail(
                 f"order = {order} of the derivative of {self.table.names[vr]} cannot be used: "
                 "inputs are linear in time at most, give the derivative of order 1"
             )
-        else:
-            self.slopes.take(vr, value)
 
     def get_real_output_derivatives(self, vrs: list[int], orders: list[int]) -> list[float]:
         """Time derivatives of outputs at the present time; 0 with a message where there is none."""
+        return [self.rate(vrs[i], orders[i]) for i in range(len(vrs))]
+
+    def rate(self, vr: int, order: int) -> float:
+        """The time derivative of one output; found when first asked for after a change."""
         table = self.table
-        values: list[float] = []
-        rates: list[float] = []
-        for i in range(len(vrs)):
-            vr: int = vrs[i]
-            order: int = orders[i]
-            value = 0.0
-            if not self.is_one_of(vr, OUTPUT, OUTPUT, _NO_OUTPUT):
-                pass
-            elif order != 1:
+        if order != 1 or not self.is_kind(vr, OUTPUT):
+            if self.is_one_of(vr, OUTPUT, OUTPUT, _NO_OUTPUT):
                 self.fail(
-                    f"order = {order} of the derivative of {table.names[vr]} is not known: ask "
-                    "for order 1"
+                    f"order = {order} of the derivative of {table.names[vr]} is not known: ask for "
+                    "order 1"
                 )
-            elif table.rates[vr] >= 0:
-                value = self.get_real([table.rates[vr]])[0]
-            else:
-                if len(rates) == 0:
-                    rates = self.output_rates()
-                value = rates[vr - table.first_output]
-                if not -OVERFLOW <= value <= OVERFLOW:
-                    value = 0.0
-                    self.fail(
-                        f"the derivative of {table.names[vr]} does not fit a floating-point number "
-                        f"at time {self.time!r} s: rescale the parameters"
-                    )
-            values.append(value)
-        return values
+            return 0.0
+        if table.rates[vr] != NO_GROUP:
+            return self.real(table.rates[vr])
+        if not self.ready():
+            return 0.0
+        group: int = self.layout.groups[vr]
+        if not self.fresh & (RATE << group):
+            self.refresh_rates(group)
+        value: float = self.rates[vr]
+        if not -OVERFLOW <= value <= OVERFLOW:
+            value = 0.0
+            self.fail(
+                f"the derivative of {table.names[vr]} does not fit a floating-point number "
+                f"at time {self.time!r} s: rescale the parameters"
+            )
+        return value
+
+    def refresh_rates(self, group: int) -> None:
+        """Find the rates of a group of outputs; infinite ones where that is impossible."""
+        try:
+            self.find_rates(group)
+            self.fresh |= RATE << group
+        except (ZeroDivisionError, OverflowError, ValueError):
+            members: list[int] = self.layout.members[group]
+            vr: int
+            for vr in members:
+                self.rates[vr] = math.inf
 
     # -- directional derivatives -------------------------------------------------------------------
     def get_directional_derivative(
@@ -127,6 +143,10 @@ class DerivativeEngine(Engine):
         return values
 
     # -- what may be asked for ---------------------------------------------------------------------
+    def is_kind(self, vr: int, kind: int) -> bool:
+        """Whether a value reference is that of a variable of the kind."""
+        return 0 <= vr < self.table.size and self.table.kinds[vr] == kind
+
     def is_one_of(self, vr: int, first: int, last: int, wrong: str) -> bool:
         """Whether a Real variable is of the kinds from first to last; says `wrong` of it if not."""
         table = self.table

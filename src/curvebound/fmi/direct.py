@@ -29,3 +29,8 @@ def set_real(engine: DerivativeEngine, vr: int, value: float) -> None:
 def set_slope(engine: DerivativeEngine, vr: int, order: int, value: float) -> None:
     """fmi2SetRealInputDerivatives, of one variable."""
     engine.take_slope(vr, order, value)
+
+
+def get_rate(engine: DerivativeEngine, vr: int, order: int) -> float:
+    """fmi2GetRealOutputDerivatives, of one variable."""
+    return engine.rate(vr, order)

@@ -22,6 +22,7 @@ from .table import (
     OUTPUT,
     OVERFLOW,
     PARAMETER,
+    RATE,
     Layout,
     Message,
     Table,
@@ -73,7 +74,7 @@ class Engine:
         self.retuned: bool = False
         #: the groups of the outputs
         self.layout: Layout = table.layouts[0]
-        #: the groups that are up to date, those that depend on inputs: bit k stands for group k
+        #: what is up to date, what depends on inputs; bits as in table.RATES
         self.fresh: int = 0
         self.feedthrough: int = 0
         self.watch: Watch = Watch()
@@ -319,7 +320,7 @@ class Engine:
         """Take over the groups of the system's outputs."""
         self.layout = self.table.layout(outputs)
         self.fresh = 0
-        self.feedthrough = 0
+        self.feedthrough = RATE * (RATE - 1)
         for group in feedthrough:
             self.feedthrough |= 1 << group
 

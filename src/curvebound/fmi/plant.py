@@ -18,11 +18,11 @@ from ..kernel.method import (
 )
 from ..kernel.methods import METHODS, create
 from ..kernel.ramp import Ramp
-from ..kernel.rates import output_rates
+from ..kernel.rates import OutputRates
 from .cutting import substeps
 from .derivatives import DerivativeEngine
 from .engine import Engine, System
-from .table import LARGEST, WARNING, Table
+from .table import LARGEST, RATE, WARNING, Table
 from .watch import ENERGY_FRACTION, MAGNIFIED
 
 __all__ = ["Plant", "PlantEngine"]
@@ -43,6 +43,7 @@ class PlantEngine(DerivativeEngine):
         self.model: Model = Model()
         self.method: Method = Method()
         self.ramp: Ramp = Ramp()
+        self.motion: OutputRates = OutputRates(self.model)
         self.step: float = 0.0
         self.relative: float = 0.0
         self.max_steps: int = 0
@@ -77,6 +78,7 @@ class PlantEngine(DerivativeEngine):
         self.step = reals["solver.step"]
         self.relative = reals["solver.tolerance"]
         self.max_steps = choices["solver.max_steps"]
+        self.motion = OutputRates(model)
         self.grouped(model.OUTPUTS, model.FEEDTHROUGH)
         self.look_at_drift = "constraint.drift" in model.OUTPUTS
         self.look_at_linear = model.is_linear
@@ -93,15 +95,10 @@ class PlantEngine(DerivativeEngine):
     def observe(self, group: int) -> None:
         self.model.observe(group, self.reals, self.table.first_output)
 
-    def output_rates(self) -> list[float]:
-        if not self.ready():
-            return [0.0] * len(self.model.OUTPUTS)
-        try:
-            return output_rates(self.model, self.ramp, self.slopes.each)
-        except (ZeroDivisionError, OverflowError, ValueError):
-            self.take_inputs()
-            self.model.undo()
-            return [math.inf] * len(self.model.OUTPUTS)
+    def find_rates(self, group: int) -> None:
+        if self.fresh < RATE:
+            self.motion.begin()
+        self.motion.find(group, self.slopes.each, self.rates, self.table.first_output)
 
     def has_changes(self) -> bool:
         return self.model.AFFINE

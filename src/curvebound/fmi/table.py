@@ -30,6 +30,9 @@ EPSILON: Final = 2.220446049250313e-16
 #: markers in the table of output groups
 NO_GROUP: Final = -1
 NOT_REAL: Final = -2
+#: what is up to date: bit k stands for the outputs of group k, bit RATES + k for their rates
+RATES: Final = 15
+RATE: Final = 1 << RATES  # of the first group
 
 Marks = Annotated[list[int], MOST_VARIABLES]
 
@@ -109,7 +112,9 @@ class Table:
         self.first_output: int = self._first(OUTPUT)
         self.first_count: int = self._first(COUNT)
         #: by value reference: the variable that is the rate of another, or NO_GROUP
-        self.rates: list[int] = [rate_of(names, vr) for vr in range(self.size)]
+        self.rates: Marks = [0] * MOST_VARIABLES
+        for vr in range(self.size):
+            self.rates[vr] = rate_of(names, vr)
         self.by_name = {name: i for i, name in enumerate(names)}
         #: that of an instance without a system, then those of the systems met so far
         self.layouts: list[Layout] = [

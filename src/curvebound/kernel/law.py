@@ -57,8 +57,11 @@ class Law:
         """Derivatives of all outputs along `seeds` of the inputs, within the same instant."""
         raise NotImplementedError
 
-    def output_rates(self, slopes: Inputs) -> list[float]:
-        """Time derivatives of all outputs from the present time on, inputs rising by `slopes`."""
+    def find_rates(self, group: int, slopes: Inputs, rates: Values, first: int) -> None:
+        """Write the time derivatives of the outputs of one group, as observe() does their values.
+
+        From the present time on, inputs rising by `slopes`.
+        """
         raise NotImplementedError
 
     def get_state(self) -> list[float]:

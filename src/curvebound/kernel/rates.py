@@ -3,53 +3,86 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Annotated, Final
 
-from .base import MOST_VARIABLES, Inputs, Model, Values
-from .ramp import Ramp
+from .base import MOST_INPUTS, MOST_VARIABLES, Inputs, Model, Values
 
-__all__ = ["output_rates"]
+__all__ = ["OutputRates"]
+
+Groups = Annotated[list[int], MOST_VARIABLES]
 
 #: of the time in which the motion changes, for differences: their error is about its square
 PART: Final = 1e-5
 LONGEST: Final = 1.0
 
 
-def output_rates(model: Model, ramp: Ramp, slopes: Inputs) -> list[float]:
-    """Time derivatives of all outputs at the present state, while inputs rise by `slopes`.
+class OutputRates:
+    """Time derivatives of the outputs of a model that has started, by differences along its motion.
 
-    By differences along the motion: right to about 1e-9 of the natural size of each, but for the
-    jump of an angle's whole turns. The model is left as it was.
+    Right to about 1e-9 of the natural size of each, but for the jump of an angle's whole turns.
     """
-    count = len(model.OUTPUTS)
-    groups = max(model.OUTPUTS.values()) + 1
-    inputs = [model.inputs[i] for i in range(model.input_count)]
-    model.keep()
-    q0, q1, v0, v1, work = model.q0, model.q1, model.v0, model.v1, model.work
-    model.acceleration(0.0, q0, q1, v0, v1)
-    a0 = model.a0
-    a1 = model.a1
-    power = model.power(0.0, q0, q1, v0, v1, a0, a1) if model.works else 0.0
-    e = PART * time_of_change(model, q0, q1, v0, v1, a0, a1)
-    before: Values = [0.0] * MOST_VARIABLES
-    after: Values = [0.0] * MOST_VARIABLES
-    for side in range(2):
-        t = e if side == 1 else -e
-        ramp.begin(model, slopes, t)
-        ramp.at(t)
-        model.q0 = q0 + t * (v0 + 0.5 * t * a0)
-        model.q1 = q1 + t * (v1 + 0.5 * t * a1)
-        model.v0 = v0 + t * a0
-        model.v1 = v1 + t * a1
-        model.work = work + t * power
-        for group in range(groups):
-            if side == 1:
-                model.observe(group, after, 0)
-            else:
-                model.observe(group, before, 0)
-        model.set_inputs(inputs, 0)
+
+    def __init__(self, model: Model) -> None:
+        self.model: Model = model
+        self.groups: Groups = [0] * MOST_VARIABLES
+        self.count: int = 0
+        for group in model.OUTPUTS.values():
+            self.groups[self.count] = group
+            self.count += 1
+        # of the present state: accelerations, power, inputs, the time (s) to go from it either way
+        self.a0: float = 0.0
+        self.a1: float = 0.0
+        self.power: float = 0.0
+        self.inputs: Inputs = [0.0] * MOST_INPUTS
+        self.ahead: float = LONGEST
+        #: outputs that time before it
+        self.before: Values = [0.0] * MOST_VARIABLES
+
+    def begin(self) -> None:
+        """Look at the motion of the present state, once for all groups."""
+        model = self.model
+        q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
+        model.acceleration(0.0, q0, q1, v0, v1)
+        self.a0 = model.a0
+        self.a1 = model.a1
+        self.power = model.power(0.0, q0, q1, v0, v1, self.a0, self.a1) if model.works else 0.0
+        self.ahead = PART * time_of_change(model, q0, q1, v0, v1, self.a0, self.a1)
+        for i in range(model.input_count):
+            self.inputs[i] = model.inputs[i]
+
+    def find(self, group: int, slopes: Inputs, rates: Values, first: int) -> None:
+        """Write the rates of one group's outputs to rates[first + position in OUTPUTS].
+
+        Of the state of begin(), while inputs rise by `slopes`. The model is left as it was.
+        """
+        model = self.model
+        t = self.ahead
+        model.keep()
+        try:
+            model.begin_rise(slopes)
+            self.move(-t)
+            model.observe(group, self.before, 0)
+            self.move(t)
+            model.observe(group, rates, first)
+        finally:
+            for i in range(model.input_count):
+                model.inputs[i] = self.inputs[i]
+            model.hold_inputs()
+            model.undo()
+        for i in range(self.count):
+            if self.groups[i] == group:
+                rates[first + i] = (rates[first + i] - self.before[i]) / (2.0 * t)
+
+    def move(self, t: float) -> None:
+        """Bring the model to where it is t s from the present state."""
+        model = self.model
         model.undo()
-    return [(after[i] - before[i]) / (2.0 * e) for i in range(count)]
+        model.move(t)
+        model.q0 += t * (model.v0 + 0.5 * t * self.a0)
+        model.q1 += t * (model.v1 + 0.5 * t * self.a1)
+        model.v0 += t * self.a0
+        model.v1 += t * self.a1
+        model.work += t * self.power
 
 
 def time_of_change(

@@ -89,8 +89,11 @@ EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueR
     Slot *slot = begin_call(c, function, GETTING, RATES, given(n, vr, order, value), &gil);
     if (!slot)
         return fmi2Error;
+    Instance *i = slot->object;
+    if (i->slave.direct.engine)
+        return done(slot, leave_python(i, function, gil, !get_rates(&i->slave.direct, vr, n, order, value)));
     void *lists[] = {list_of_references(vr, n), list_of_orders(order, n), NULL};
-    return done(slot, call(slot->object, function, gil, RATES, lists, 2, n, value));
+    return done(slot, call(i, function, gil, RATES, lists, 2, n, value));
 }
 
 EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],

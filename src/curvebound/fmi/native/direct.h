@@ -13,6 +13,7 @@ typedef struct {
     double (*get_real)(void *engine, long long vr);
     int (*set_real)(void *engine, long long vr, double value);
     int (*set_slope)(void *engine, long long vr, long long order, double value);
+    double (*get_rate)(void *engine, long long vr, long long order);
 } Direct;
 
 /* Take those that a slave offers, if any. */
@@ -23,5 +24,7 @@ bool get_reals(const Direct *direct, const fmi2ValueReference vr[], size_t n, fm
 bool set_reals(const Direct *direct, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]);
 bool set_slopes(const Direct *direct, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
                 const fmi2Real value[]);
+bool get_rates(const Direct *direct, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
+               fmi2Real value[]);
 
 #endif
