@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from curvebound.cosim import Adaptive, Scene, load_scene
+from curvebound.cosim.exchange import Exchange
+from curvebound.cosim.instance import Instance
 from curvebound.cosim.prepared import Prepared
 from curvebound.cosim.resolution import resolve
 from curvebound.cosim.ssp import write_ssp
@@ -190,6 +192,29 @@ def test_feedback_is_of_order_two(name: str, algorithm: str) -> None:
     assert abs(orders["zero"] - 1.0) < 0.15
     assert abs(orders["first"] - 2.0) < 0.15
     assert found["first"][1] < 0.1 * found["zero"][1]
+
+
+@pytest.mark.parametrize("pushing", [False, True])
+def test_a_component_is_asked_once_unless_another_needs_it_before(
+    monkeypatch: pytest.MonkeyPatch, pushing: bool
+) -> None:
+    """The drive's feedback waits for the plant's rates; what it pushes on the bead, for it."""
+    scene = load_scene("inverted_balance")
+    scene.hold = "first"
+    if pushing:
+        scene.add("bead", "BeadOnWire").connect("plant.parabola.fx", "bead.bead.fx")
+    asked: list[tuple[str, int]] = []
+    prepare = Exchange.prepare
+
+    def noted(self: Exchange, instance: Instance, function: str, *given: object) -> object:
+        if function == "GetRealOutputDerivatives":
+            asked.append((instance.name, len(given[0])))
+        return prepare(self, instance, function, *given)
+
+    monkeypatch.setattr(Exchange, "prepare", noted)
+    with Prepared(scene) as prepared:
+        prepared.run(stop_time=scene.step)
+    assert asked == [("plant", 6), ("drive", 3), *([("plant", 1)] if pushing else [])]
 
 
 @pytest.mark.parametrize("algorithm", ["strang", "midpoint"])

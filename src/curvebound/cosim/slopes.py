@@ -91,7 +91,7 @@ class Slopes:
         complete: set[str] = set()
         sources: dict[int, dict[str, list[Port]]] = {}
         for port in dict.fromkeys(link.source for link in self._links):
-            sources.setdefault(system.levels[port], {}).setdefault(port[0], []).append(port)
+            sources.setdefault(self._level(port), {}).setdefault(port[0], []).append(port)
         for level, of in sorted(sources.items()):
             risen = [name for name in of if level > 0 and name in names]
             self.reads += [setter for name in risen if (setter := self._setter(name))]
@@ -109,6 +109,18 @@ class Slopes:
     def sources(self) -> list[str]:
         """Components whose outputs are asked for their derivatives."""
         return list(dict.fromkeys(link.source[0] for link in self._links))
+
+    def _level(self, port: Port) -> int:
+        """When an output is asked: with the last of its component unless somebody needs it before.
+
+        One call instead of two then.
+        """
+        levels = self.system.levels
+        users = {link.target[0] for link in self._links if link.source == port}
+        asked = {link.source for link in self._links}
+        last = max(levels[other] for other in asked if other[0] == port[0])
+        needed = any(levels[port] < levels[p] <= last for p in asked if p[0] in users)
+        return levels[port] if needed else last
 
     def _is_complete(self, name: str) -> bool:
         return all(link.source in self._places for link in self._links if link.target[0] == name)
