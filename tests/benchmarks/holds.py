@@ -1,7 +1,8 @@
 """What a macro step costs with inputs linear in time over it, beside one with inputs held.
 
-Each plant is driven by a function of time, with both holds in turn: CPU microseconds per macro step
-of 10 ms, the least of the rounds, set-up excluded, and the median of the ratios.
+Each plant is driven by a function of time, in the last row by an FMU that it drives in turn, with
+both holds: CPU microseconds per macro step of 10 ms, the least of the rounds, set-up excluded, and
+the median of the ratios.
 """
 
 from __future__ import annotations
@@ -9,10 +10,12 @@ from __future__ import annotations
 import argparse
 import math
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from statistics import median
 
-from curvebound.cosim import Scene
+from curvebound.cosim import Scene, load_scene
 from curvebound.cosim.prepared import Prepared
 
 __all__ = ["configure", "run"]
@@ -45,6 +48,30 @@ def cost(prepared: Prepared, steps: int) -> float:
     return time.process_time() - began
 
 
+def coupled(hold: str) -> Scene:
+    """A drive FMU that measures the plant it drives; likewise."""
+    made = load_scene("swaying_parabola")
+    made.hold, made.record_every = hold, 10**9
+    return made
+
+
+def compare(name: str, make: Callable[[str], Scene], options: argparse.Namespace) -> None:
+    """Print the row of a scene, which `make` gives for either hold."""
+    found: dict[str, list[float]] = {"zero": [], "first": []}
+    with ExitStack() as stack:
+        ready = {hold: stack.enter_context(Prepared(make(hold))) for hold in found}
+        for prepared in ready.values():
+            cost(prepared, 10)
+        for _ in range(options.rounds):
+            for hold, prepared in ready.items():
+                set_up = cost(prepared, 1)
+                spent = cost(prepared, options.steps + 1) - set_up
+                found[hold].append(1e6 * spent / options.steps)
+    ratio = median(b / a for a, b in zip(found["zero"], found["first"], strict=True))
+    zero, first = (min(values) for values in found.values())
+    print(f"  {name:22s} {zero:6.2f}   {first:6.2f}   {ratio:6.2f}")
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.add_argument("--steps", type=int, default=1000)
@@ -57,20 +84,7 @@ def run(options: argparse.Namespace) -> int:
     for fmu, driven, output in PLANTS:
         print(fmu)
         for name, start in METHODS:
-            found: dict[str, list[float]] = {"zero": [], "first": []}
-            with ExitStack() as stack:
-                ready = {
-                    hold: stack.enter_context(Prepared(scene(fmu, driven, output, start, hold)))
-                    for hold in found
-                }
-                for prepared in ready.values():
-                    cost(prepared, 10)
-                for _ in range(options.rounds):
-                    for hold, prepared in ready.items():
-                        set_up = cost(prepared, 1)
-                        spent = cost(prepared, options.steps + 1) - set_up
-                        found[hold].append(1e6 * spent / options.steps)
-            ratio = median(b / a for a, b in zip(found["zero"], found["first"], strict=True))
-            zero, first = (min(values) for values in found.values())
-            print(f"  {name:22s} {zero:6.2f}   {first:6.2f}   {ratio:6.2f}")
+            compare(name, partial(scene, fmu, driven, output, start), options)
+    print("swaying_parabola")
+    compare("ParabolaDrive coupled", coupled, options)
     return 0
