@@ -271,9 +271,9 @@ class ParabolaDrive(Law):
         if period != 0.0 and self.acts():
             within = (time + duration - slack) / period
             if math.fabs(within) < WHOLE:
-                sample = period * (math.floor((time + slack) / period) + 1.0)
+                sample = period * (float(math.floor((time + slack) / period)) + 1.0)
                 if sample < time + duration - slack:
-                    fits = period / math.ceil((1.0 - PERIOD_SLACK) * period / duration)
+                    fits = period / float(math.ceil((1.0 - PERIOD_SLACK) * period / duration))
                     return (
                         f"sample.period = {period:.6g} s has its sample at {sample:.9g} s within a "
                         f"communication step, {duration:.6g} s from {time:.9g} s on: it takes the "

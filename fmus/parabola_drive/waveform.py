@@ -25,7 +25,7 @@ def wave_rate(cycles: float, phase: float, frequency: float) -> float:
 
 def part_of(cycles: float) -> float:
     """Without whole cycles: the sine then sees a small argument."""
-    return math.fmod(cycles, 1.0) if math.fabs(cycles) < WHOLE else 0.0
+    return cycles - float(int(cycles)) if math.fabs(cycles) < WHOLE else 0.0
 
 
 def chirp_cycles(elapsed: float, frequency: float, end_frequency: float, duration: float) -> float:

@@ -16,7 +16,10 @@ from curvebound.compiling.extension import compile_c, write_c
 from curvebound.compiling.toolchain import HERE
 from curvebound.compiling.translate import translate
 from curvebound.errors import CurveboundError
+from curvebound.fmi import runtime
 from curvebound.fmi.compile import why_not
+from curvebound.fmi.folder import Folder, systems_in
+from curvebound.places import fmus_directory
 
 pytestmark = pytest.mark.skipif(bool(why_not()), reason=f"not compiled: {why_not()}")
 
@@ -305,3 +308,14 @@ def test_a_variable_that_lacks_its_type_is_named(tmp_path, monkeypatch) -> None:
     unit = translate("compiled_of_test", {"untyped_of_test": text})
     with pytest.raises(CurveboundError, match="annotate the variables of which x is used"):
         write_c(unit, tmp_path, unit)
+
+
+@pytest.mark.parametrize("folder", systems_in(fmus_directory()), ids=lambda folder: folder.name)
+def test_no_system_calls_python_functions_for_numbers(folder: Folder) -> None:
+    """A call of `math`'s own costs as much as the sine and the cosine that it is for."""
+    core = runtime.runtime()
+    told = runtime.VISIBLE, runtime.REPEATED, runtime.WRITTEN_OUT
+    known = translate(core.extension, core.kernel, None, *told)
+    own = runtime.system_sources(folder, core)
+    text = translate(own.extension, own.kernel, known).pyx
+    assert set(re.findall(r"\bmath\.(\w+)\(", text)) == set()

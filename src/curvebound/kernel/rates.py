@@ -29,7 +29,12 @@ class OutputRates:
         for group in model.OUTPUTS.values():
             self.groups[self.count] = group
             self.count += 1
-        # of the present state: accelerations, power, inputs, the time (s) to go from it either way
+        # the present state, its accelerations, power and inputs, the time (s) to go either way
+        self.q0: float = 0.0
+        self.q1: float = 0.0
+        self.v0: float = 0.0
+        self.v1: float = 0.0
+        self.work: float = 0.0
         self.a0: float = 0.0
         self.a1: float = 0.0
         self.power: float = 0.0
@@ -43,10 +48,12 @@ class OutputRates:
         model = self.model
         q0, q1, v0, v1 = model.q0, model.q1, model.v0, model.v1
         model.acceleration(0.0, q0, q1, v0, v1)
-        self.a0 = model.a0
-        self.a1 = model.a1
-        self.power = model.power(0.0, q0, q1, v0, v1, self.a0, self.a1) if model.works else 0.0
-        self.ahead = PART * time_of_change(model, q0, q1, v0, v1, self.a0, self.a1)
+        a0 = model.a0
+        a1 = model.a1
+        self.power = model.power(0.0, q0, q1, v0, v1, a0, a1) if model.works else 0.0
+        self.ahead = PART * time_of_change(model, q0, q1, v0, v1, a0, a1)
+        self.q0, self.q1, self.v0, self.v1, self.work = q0, q1, v0, v1, model.work
+        self.a0, self.a1 = a0, a1
         for i in range(model.input_count):
             self.inputs[i] = model.inputs[i]
 
@@ -76,13 +83,12 @@ class OutputRates:
     def move(self, t: float) -> None:
         """Bring the model to where it is t s from the present state."""
         model = self.model
-        model.undo()
+        model.q0 = self.q0 + t * (self.v0 + 0.5 * t * self.a0)
+        model.q1 = self.q1 + t * (self.v1 + 0.5 * t * self.a1)
+        model.v0 = self.v0 + t * self.a0
+        model.v1 = self.v1 + t * self.a1
+        model.work = self.work + t * self.power
         model.move(t)
-        model.q0 += t * (model.v0 + 0.5 * t * self.a0)
-        model.q1 += t * (model.v1 + 0.5 * t * self.a1)
-        model.v0 += t * self.a0
-        model.v1 += t * self.a1
-        model.work += t * self.power
 
 
 def time_of_change(
