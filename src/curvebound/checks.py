@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from .checking.changes import wrong_changes
 from .checking.points import anywhere, models, numbers_of
+from .checking.rates import wrong_rates
 from .cosim import Scene
 from .cosim.fmu import Value, read_fmu
 from .cosim.instance import Instance, Library, Log
@@ -44,6 +45,7 @@ __all__ = [
     "keeps_the_balance_of_energy",
     "kernel_follows_mechanics",
     "methods_have_their_orders",
+    "rates_follow_outputs",
     "runs_alike_compiled_and_interpreted",
     "saves_its_whole_state",
 ]
@@ -106,6 +108,18 @@ def changes_follow_outputs(folder: Path | str) -> None:
     rng = random.Random(1)
     for label, choices in models(fmu):
         wrong = wrong_changes(fmu, numbers_of(fmu, choices), rng, _STATES)
+        assert not wrong, f"{label}{wrong}"
+
+
+def rates_follow_outputs(folder: Path | str) -> None:
+    """Outputs named as the rates of others, as fmi2GetRealOutputDerivatives takes them, are these.
+
+    bead.vx of bead.x, ball.angular_velocity of ball.angle, bead.u_rate of bead.u.
+    """
+    fmu = _of(folder).fmu()
+    rng = random.Random(1)
+    for label, choices in models(fmu):
+        wrong = wrong_rates(fmu, numbers_of(fmu, choices), rng, _STATES)
         assert not wrong, f"{label}{wrong}"
 
 
@@ -227,6 +241,7 @@ CHECKS: tuple[Callable[[Path | str], None], ...] = (
     is_a_valid_fmu,
     kernel_follows_mechanics,
     changes_follow_outputs,
+    rates_follow_outputs,
     keeps_the_balance_of_energy,
     methods_have_their_orders,
     saves_its_whole_state,

@@ -23,6 +23,11 @@ FAULTS: dict[Callable[[Path], None], tuple[str, str, str]] = {
         "normal = self.ex * self.ex * math.sin(self.q0)",
         "wire.fx changes by",
     ),
+    checks.rates_follow_outputs: (
+        "return unwind(self.q0, self.turns), self.v0, 0.0",
+        "return unwind(self.q0, self.turns), self.v0 - self.vx, 0.0",
+        "bead.angle changes by",
+    ),
     checks.keeps_the_balance_of_energy: (
         "along = r * a0",
         "along = 1.0001 * r * a0",
