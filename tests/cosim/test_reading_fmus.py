@@ -58,7 +58,8 @@ def test_all_that_a_description_gives(tmp_path: Path) -> None:
         "undeclared": frozenset("zow"),
         "initial_dependencies": {"x": ("a",), "y": (), **dict.fromkeys("zow", ("a", "b"))},
         "can_roll_back": True, "can_serialize": True, "can_vary_step": True, "takes_slopes": True,
-        "gives_rates": True, "gives_changes": True, "only_once_per_process": True,
+        "keeps_inputs": False, "gives_rates": True, "gives_changes": True,
+        "only_once_per_process": True,
         "start_time": 0.5, "stop_time": 2.5, "step": 0.125, "tolerance": 1e-7, "drawing": None,
     }  # fmt: skip
     assert (fmu.inputs, fmu.outputs) == (["a", "b"], ["x", "y", "z", "o", "w"])
@@ -71,7 +72,7 @@ def test_what_is_not_given_is_what_the_standard_has_for_it(tmp_path: Path) -> No
         "dependencies": {"y": ("u",)}, "undeclared": frozenset("y"),
         "initial_dependencies": {"y": ("u",)},
         "can_roll_back": False, "can_serialize": False, "can_vary_step": False,
-        "takes_slopes": False, "gives_rates": False, "gives_changes": False,
+        "takes_slopes": False, "keeps_inputs": False, "gives_rates": False, "gives_changes": False,
         "only_once_per_process": False,
         "start_time": None, "stop_time": None, "step": None, "tolerance": None, "drawing": None,
     }  # fmt: skip

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .instance import Instance
+from .signals import Signal, value_of
 from .system import Link, Port, System, path_of
 
 __all__ = ["Call", "Exchange"]
@@ -42,6 +43,8 @@ class Exchange:
         self._reads: dict[tuple[str, int], list[Call]] = {}
         self._writes: dict[str, list[Call]] = {}
         self.feeders: dict[str, dict[Port, str]] = {name: {} for name in system.nodes}
+        #: components whose Real inputs are set one by one
+        self.apart: set[str] = set()
         self._link: dict[Port, Link] = {link.target: link for link in system.links}
         self._lay_out()
 
@@ -135,14 +138,17 @@ class Exchange:
         return calls
 
     def write(self, instance: Instance) -> list[Call]:
-        """Calls that bring this component's driven inputs up to date; made once."""
+        """Calls that bring this component's driven inputs up to date; made once.
+
+        Those of Real inputs are not among them where these are set one by one.
+        """
         known = self._writes.get(instance.name)
         if known is not None:
             return known
         calls: list[Call] = []
         for kind in KINDS:
             at, targets = self._inputs.get((instance.name, kind), (0, []))
-            if targets:
+            if targets and not (kind == "Real" and instance.name in self.apart):
                 calls += self._copies(kind, at, targets)
                 calls.append(self._transfer(instance, "Set", kind, at, targets))
         self._writes[instance.name] = calls
@@ -217,6 +223,14 @@ class Exchange:
         self._calls[id(call)] = (component, function)
         self._kept.append(call)
 
+    def setting(self, instance: Instance, target: Port) -> Call:
+        """The call that sets one Real input."""
+        return self._transfer(instance, "Set", "Real", self.input_place(target), [target])
+
+    def real_inputs(self, name: str) -> list[Port]:
+        """The Real inputs of a component that are driven."""
+        return self._inputs.get((name, "Real"), (0, []))[1]
+
     def input_place(self, target: Port) -> int:
         """Where the value of a driven input lies in the array of its kind."""
         at, targets = self._inputs[target[0], self.system.variable(target).kind]
@@ -228,24 +242,33 @@ class Exchange:
         self._kept.clear()
         self._reads.clear()
         self._writes.clear()
+        self.apart.clear()
 
     def origin(self, call: Call) -> tuple[str, str]:
         """Component and FMI function of a prepared call."""
         return self._calls[id(call)]
 
-    def signal_setters(self) -> list[tuple[Callable[[float], float], str, memoryview, int, bool]]:
-        """For each function that drives an input: it, the path, buffer, place, whether Real."""
-        setters = []
-        for kind in KINDS:
-            for (_, of), (at, targets) in self._inputs.items():
-                if of != kind:
-                    continue
-                view = memoryview(self._array(kind))  # type: ignore[arg-type]
-                for i, target in enumerate(targets):
-                    if target in self.system.signals:
-                        function = self.system.signals[target]
-                        setters.append((function, path_of(target), view, at + i, kind == "Real"))
+    def signal_setters(self) -> dict[Port, Callable[[float], None]]:
+        """For each input that a function drives: what puts its value at a time in s into place."""
+        setters = {}
+        for (_, kind), (at, targets) in self._inputs.items():
+            view = memoryview(self._array(kind))  # type: ignore[arg-type]
+            for i, target in enumerate(targets):
+                if target in self.system.signals:
+                    function = self.system.signals[target]
+                    whole = kind != "Real"
+                    setters[target] = _putting(function, path_of(target), view, at + i, whole)
         return setters
+
+
+def _putting(
+    function: Signal, path: str, values: memoryview, place: int, whole: bool
+) -> Callable[[float], None]:
+    def put(time: float) -> None:
+        value = value_of(function, path, time)
+        values[place] = int(value) if whole else value  # type: ignore[assignment]
+
+    return put
 
 
 def _converted(argument: Any) -> Any:

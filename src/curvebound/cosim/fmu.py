@@ -112,6 +112,7 @@ class Fmu:
     without it. `initial_dependencies` is the same in initialization mode.
     takes_slopes, gives_rates, gives_changes: whether inputs may be linear in time over a step
     (with fmi2SetRealInputDerivatives), and outputs tell their derivatives, in time and by inputs.
+    keeps_inputs: whether inputs stay where slopes have led them, which FMI leaves open.
     start_time, stop_time, step (s) and tolerance are those of its DefaultExperiment; `drawing` is
     that which an FMU of curvebound carries.
     """
@@ -129,6 +130,7 @@ class Fmu:
     can_serialize: bool
     can_vary_step: bool
     takes_slopes: bool
+    keeps_inputs: bool
     gives_rates: bool
     gives_changes: bool
     only_once_per_process: bool
@@ -252,17 +254,14 @@ def _described(path: Path) -> Fmu:
             for u in unknowns
         }
 
-    declared = table(md.outputs)
+    declared, at_start = table(md.outputs), table(md.initialUnknowns)
     outputs = [v.name for v in variables.values() if v.causality == "output"]
     undeclared = frozenset(name for name in outputs if declared.get(name) is None)
-    dependencies: dict[str, tuple[str, ...]] = {}
-    for name in outputs:
-        listed = declared.get(name)
-        dependencies[name] = inputs if listed is None else listed
-    initial = dict(dependencies)
-    for name, at_start in table(md.initialUnknowns).items():
-        if at_start is not None and name in initial:
-            initial[name] = at_start
+    dependencies = {name: inputs if (of := declared.get(name)) is None else of for name in outputs}
+    initial = {
+        name: of if (known := at_start.get(name)) is None else known
+        for name, of in dependencies.items()
+    }
     experiment = md.defaultExperiment
     kind = md.coSimulation
     return Fmu(
@@ -279,6 +278,7 @@ def _described(path: Path) -> Fmu:
         can_serialize=bool(kind.canSerializeFMUstate),
         can_vary_step=bool(kind.canHandleVariableCommunicationStepSize),
         takes_slopes=bool(kind.canInterpolateInputs),
+        keeps_inputs=(md.generationTool or "").startswith("curvebound "),
         gives_rates=int(kind.maxOutputDerivativeOrder or 0) > 0,
         gives_changes=bool(kind.providesDirectionalDerivative),
         only_once_per_process=bool(kind.canBeInstantiatedOnlyOncePerProcess),

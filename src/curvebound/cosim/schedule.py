@@ -15,29 +15,35 @@ from numpy.typing import NDArray
 from .exchange import Call, Exchange
 from .graph import Loop
 from .instance import Instance
+from .lines import Line, lines_of
 from .loop_changes import changes_of
 from .loops import LoopSolver
-from .signals import value_of
 from .slopes import Slopes
 from .system import Port, System
 
 __all__ = ["TRIAL", "Clock", "Schedule"]
 
-Values = tuple[NDArray[np.float64], NDArray[np.int32]]
+Values = tuple[NDArray[np.float64], NDArray[np.int32], list[tuple[float, float]]]
 TRIAL = 1  # where a state is saved while another is
 
 
 class Clock:
-    """Time and size of a step, as the prepared fmi2DoStep calls read them, in s."""
+    """Time and size of a step, as the prepared fmi2DoStep calls read them, in s.
+
+    leads: called with both before a step.
+    """
 
     def __init__(self) -> None:
         self.time = c_double()
         self.size = c_double()
+        self.leads: list[Callable[[float, float], None]] = []
 
     def set(self, time: float, size: float) -> None:
         """The step about to be taken begins at `time` and is `size` long."""
         self.time.value = time
         self.size.value = size
+        for lead in self.leads:
+            lead(time, size)
 
 
 class Schedule:
@@ -47,7 +53,11 @@ class Schedule:
         self.system = system
         self.exchange = exchange
         self.instances = instances
-        self._signals = exchange.signal_setters()
+        self._lines: dict[Port, Line] = {}
+        if system.scene.hold == "first":
+            self._lines = lines_of(system, exchange, instances, self.run)
+        meeting = {port: line.meet for port, line in self._lines.items()}
+        self._signals = list({**exchange.signal_setters(), **meeting}.values())
         self.advance: Callable[[float, float], None] | None = None  # made by algorithms.advance_of
         self._states = {
             name: exchange.read(instances[name], 0) for name in system.nodes
@@ -123,7 +133,10 @@ class Schedule:
         every = sorted(set(system.levels.values()))
         for solver in self._solvers:
             solver.begin()
-        self._set_signals(time)
+        for line in self._lines.values():
+            line.forget()
+        for put in self._signals:
+            put(time)
         for level in sorted(set(system.initial_levels.values())):
             ports = [port for port, at in system.initial_levels.items() if at == level]
             for name in dict.fromkeys(port[0] for port in ports):
@@ -146,19 +159,19 @@ class Schedule:
         self._stale = set(self._after_evaluation)
         calls: list[Call] = []
         reads: list[Call] = []
-        setters: dict[str, Call] = {}
+        setters: dict[str, list[Call]] = {}
         if self.system.scene.hold == "first":
             handed_on = self._handed_on(names) if passing_on else ()
             shared = self.system, self.exchange, self.instances
-            slopes = Slopes(*shared, names, handed_on, clock.time, clock.size)
+            slopes = Slopes(*shared, names, handed_on, self._lines)
+            clock.leads += slopes.leads
             for name in slopes.sources:
                 calls += self._freshen(name)
             calls += slopes.reads
             setters = slopes.setters
         for name in names:
             calls += self._freshen(name)
-            if name in setters:
-                calls.append(setters[name])
+            calls += setters.get(name, [])
             calls.append(self.exchange.do_step(self.instances[name], clock.time, clock.size))
             if passing_on and name in self.system.passing:
                 calls += self._states[name]
@@ -200,14 +213,9 @@ class Schedule:
 
     def evaluate(self, time: float) -> None:
         """Inputs and outputs of the communication point `time`, consistent with one another."""
-        if self._signals:
-            self._set_signals(time)
+        for put in self._signals:
+            put(time)
         self.run(self.evaluation)
-
-    def _set_signals(self, time: float) -> None:
-        for function, path, buffer, place, real in self._signals:
-            value = value_of(function, path, time)
-            buffer[place] = value if real else int(value)  # type: ignore[assignment]
 
     def write_all(self) -> None:
         """Set every driven input of every component from the buffers."""
@@ -233,9 +241,12 @@ class Schedule:
 
     def values(self) -> Values:
         """A copy of the buffers."""
-        return self.exchange.reals.copy(), self.exchange.others.copy()
+        states = [line.state for line in self._lines.values()]
+        return self.exchange.reals.copy(), self.exchange.others.copy(), states
 
     def hold(self, values: Values) -> None:
         """Set the buffers, and every driven input from them."""
-        self.exchange.reals[:], self.exchange.others[:] = values
+        self.exchange.reals[:], self.exchange.others[:], states = values
         self.write_all()
+        for line, state in zip(self._lines.values(), states, strict=True):
+            line.resume(state)

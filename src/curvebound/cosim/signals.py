@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import CurveboundError, OutsideError, reading, said
 from .tables import read_csv
 
-__all__ = ["Signal", "SignalLike", "jumps_of", "signal", "value_of"]
+__all__ = ["Signal", "SignalLike", "jumps_of", "signal", "unusable", "value_of"]
 
 Signal = Callable[[float], float]
 SignalLike = float | int | bool | Signal | str | Path | tuple[Any, Any]
@@ -24,10 +24,15 @@ def value_of(function: Signal, path: str, time: float) -> float:
     try:
         return float(function(time))
     except Exception as error:
-        raise OutsideError(
-            f"The function that drives {path} fails at t = {time:.6g} s: {said(error)}. It must "
-            "give a number at every time of the run."
-        ) from error
+        raise unusable(path, time, error) from error
+
+
+def unusable(path: str, time: float, error: Exception) -> OutsideError:
+    """What to raise where the function that drives `path` gives no number at a time in s."""
+    return OutsideError(
+        f"The function that drives {path} fails at t = {time:.6g} s: {said(error)}. It must "
+        "give a number at every time of the run."
+    )
 
 
 def signal(given: SignalLike, path: str, unit: str | None = None) -> float | Signal:

@@ -9,29 +9,16 @@ output at the start of the step. What cannot tell its derivative, or was handed 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from ctypes import c_double, c_int, c_size_t, c_uint
 from typing import Any
 
 from .exchange import Call, Exchange
 from .instance import Instance
-from .signals import Signal, value_of
-from .system import Link, Port, System, path_of
+from .lines import Line, takes_slope
+from .system import Link, Port, System
 
 __all__ = ["Slopes", "has_slopes"]
-
-#: of a step before its end, at which a function is asked for the value at the end
-EARLY = 1e-6
-
-
-def takes_slope(system: System, target: Port) -> bool:
-    """Whether an input may be linear in time."""
-    variable = system.variable(target)
-    return (
-        variable.kind == "Real"
-        and variable.causality == "input"
-        and system.nodes[target[0]].fmu.takes_slopes
-    )
 
 
 def is_sloped(system: System, link: Link) -> bool:
@@ -57,8 +44,9 @@ class Slopes:
     """The calls that ask for derivatives of outputs, and set those of inputs, of one step.
 
     names: components that step. handed_on: inputs that take what their source has reached at the
-    end of the step. time, size: of the step (s), read when a call is made.
+    end of the step. lines: of the inputs that functions drive.
 
+    leads: find the slopes of these, called with time and size of the step (s) before all others.
     reads: find the derivatives at the start of the step, once inputs are those of its start. An
     output with direct feedthrough rises with the inputs of its component: it is asked after these
     have got the slopes that are known by then; in an algebraic loop those from outside it.
@@ -72,14 +60,11 @@ class Slopes:
         instances: dict[str, Instance],
         names: Sequence[str],
         handed_on: Iterable[Port],
-        time: c_double,
-        size: c_double,
+        lines: dict[Port, Line],
     ) -> None:
         self.system = system
         self.exchange = exchange
         self.instances = instances
-        self.time = time
-        self.size = size
         held = set(handed_on)
         self._links = [
             link
@@ -87,6 +72,15 @@ class Slopes:
             if link.target[0] in names and link.target not in held and is_sloped(system, link)
         ]
         self._places: dict[Port, tuple[Any, int]] = {}
+        self._led: dict[str, tuple[list[Port], Any]] = {}
+        self.leads: list[Callable[[float, float], None]] = []
+        for name in names:
+            ports = [port for port in lines if port[0] == name]
+            if ports:
+                led = (c_double * len(ports))()
+                view = memoryview(led).cast("B").cast("d")
+                self._led[name] = ports, led
+                self.leads += [lines[port].leading(view, k) for k, port in enumerate(ports)]
         self.reads: list[Call] = []
         complete: set[str] = set()
         sources: dict[int, dict[str, list[Port]]] = {}
@@ -94,7 +88,7 @@ class Slopes:
             sources.setdefault(self._level(port), {}).setdefault(port[0], []).append(port)
         for level, of in sorted(sources.items()):
             risen = [name for name in of if level > 0 and name in names]
-            self.reads += [setter for name in risen if (setter := self._setter(name))]
+            self.reads += [call for name in risen for call in self._setter(name)]
             complete |= {name for name in risen if self._is_complete(name)}
             found: dict[Port, tuple[Any, int]] = {}
             for name, ports in of.items():
@@ -102,8 +96,7 @@ class Slopes:
                 found |= {port: (buffer, k) for k, port in enumerate(ports)}
                 self.reads.append(self._call(name, "GetRealOutputDerivatives", ports, buffer))
             self._places |= found
-        last = {name: self._setter(name) for name in names if name not in complete}
-        self.setters = {name: setter for name, setter in last.items() if setter}
+        self.setters = {name: self._setter(name) for name in names if name not in complete}
 
     @property
     def sources(self) -> list[str]:
@@ -125,30 +118,23 @@ class Slopes:
     def _is_complete(self, name: str) -> bool:
         return all(link.source in self._places for link in self._links if link.target[0] == name)
 
-    def _setter(self, name: str) -> Call | None:
-        """The call that sets the slopes known so far; None if there are none."""
+    def _setter(self, name: str) -> list[Call]:
+        """The calls that set the slopes known so far."""
+        ports, led = self._led.get(name, ([], None))
         joined = [
-            link for link in self._links if link.target[0] == name and link.source in self._places
+            (link.target, link.factor, *self._places[link.source])
+            for link in self._links
+            if link.target[0] == name and link.source in self._places
         ]
-        signals = [
-            (port, function)
-            for port, function in self.system.signals.items()
-            if port[0] == name and takes_slope(self.system, port)
+        if not joined:
+            return [self._call(name, "SetRealInputDerivatives", ports, led)] if ports else []
+        joined += [(port, 1.0, led, k) for k, port in enumerate(ports)]
+        slopes = (c_double * len(joined))()
+        targets = [target for target, *_ in joined]
+        return [
+            _copying(slopes, [(k, *rest) for k, (_, *rest) in enumerate(joined)]),
+            self._call(name, "SetRealInputDerivatives", targets, slopes),
         ]
-        if not joined and not signals:
-            return None
-        targets = [port for port, _ in signals] + [link.target for link in joined]
-        slopes = (c_double * len(targets))()
-        known = [
-            (k, function, path_of(port), self.exchange.input_place(port))
-            for k, (port, function) in enumerate(signals)
-        ]
-        copies = [
-            (len(signals) + k, *self._places[link.source], link.factor)
-            for k, link in enumerate(joined)
-        ]
-        call = self._call(name, "SetRealInputDerivatives", targets, slopes)
-        return self._filled(call, known, copies, slopes)
 
     def _call(self, name: str, function: str, ports: Sequence[Port], values: Any) -> Call:
         references = (c_uint * len(ports))(*(self.system.variable(p).reference for p in ports))
@@ -158,31 +144,12 @@ class Slopes:
             self.instances[name], function, references, count, orders, values
         )
 
-    def _filled(
-        self,
-        call: Call,
-        signals: Sequence[tuple[int, Signal, str, int]],
-        copies: Sequence[tuple[int, Any, int, float]],
-        slopes: Any,
-    ) -> Call:
-        """A call with its slopes.
 
-        signals: place, function, path, place of its value; copies: place, rates, place in them,
-        factor.
-        """
-        values = memoryview(self.exchange.reals)  # type: ignore[arg-type]
-        found = memoryview(slopes).cast("B").cast("d")
-        time, size = self.time, self.size
+def _copying(slopes: Any, rates: Sequence[tuple[int, float, Any, int]]) -> Call:
+    """Slopes from others: place, factor, array, place in it."""
 
-        def set_slopes() -> Any:
-            if signals:
-                ahead = size.value * (1.0 - EARLY)
-                end = time.value + ahead
-                for k, function, path, place in signals:
-                    found[k] = (value_of(function, path, end) - values[place]) / ahead
-            for k, rates, i, factor in copies:
-                found[k] = factor * rates[i]
-            return call()
+    def copy() -> None:
+        for k, factor, array, i in rates:
+            slopes[k] = factor * array[i]
 
-        self.exchange.register(set_slopes, *self.exchange.origin(call))
-        return set_slopes
+    return copy
