@@ -20,6 +20,7 @@ __all__ = ["Line", "lines_of", "takes_slope"]
 
 #: of a step before its end, at which a function is asked for the value at the end
 EARLY = 1e-6
+AHEAD = 1.0 - EARLY
 
 
 def takes_slope(system: System, target: Port) -> bool:
@@ -94,7 +95,7 @@ class Line:
         function, path, bend = self.function, self.path, self.bend
 
         def lead(time: float, size: float) -> None:
-            ahead = size * (1.0 - EARLY)
+            ahead = AHEAD * size
             try:
                 value = float(function(time + ahead))
             except Exception as error:
