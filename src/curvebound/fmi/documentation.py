@@ -95,7 +95,7 @@ def _page(folder: Folder, fmu: Fmu, drawing: Drawing, result: ReferenceResult | 
 {_variables(fmu, (PARAMETER, CHOICE, COUNT_PARAMETER))}
 <h2>Inputs</h2>
 <p>Held over a communication step; linear in time over it where the importer gives slopes and
-<code>canInterpolateInputs</code> is true.</p>
+<code>canInterpolateInputs</code> is true. They stay where slopes have led them.</p>
 {_variables(fmu, (INPUT,))}
 <h2>Outputs</h2>
 <p>Where <code>providesDirectionalDerivative</code> is true, fmi2GetDirectionalDerivative tells how
