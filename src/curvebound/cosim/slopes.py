@@ -78,9 +78,8 @@ class Slopes:
             ports = [port for port in lines if port[0] == name]
             if ports:
                 led = (c_double * len(ports))()
-                view = memoryview(led).cast("B").cast("d")
                 self._led[name] = ports, led
-                self.leads += [lines[port].leading(view, k) for k, port in enumerate(ports)]
+                self.leads += [lines[port].leading(_view(led), k) for k, port in enumerate(ports)]
         self.reads: list[Call] = []
         complete: set[str] = set()
         sources: dict[int, dict[str, list[Port]]] = {}
@@ -119,22 +118,24 @@ class Slopes:
         return all(link.source in self._places for link in self._links if link.target[0] == name)
 
     def _setter(self, name: str) -> list[Call]:
-        """The calls that set the slopes known so far."""
+        """The calls that set the slopes known so far, from where they were found if possible."""
         ports, led = self._led.get(name, ([], None))
-        joined = [
+        known = [(port, 1.0, led, k) for k, port in enumerate(ports)]
+        known += [
             (link.target, link.factor, *self._places[link.source])
             for link in self._links
             if link.target[0] == name and link.source in self._places
         ]
-        if not joined:
-            return [self._call(name, "SetRealInputDerivatives", ports, led)] if ports else []
-        joined += [(port, 1.0, led, k) for k, port in enumerate(ports)]
-        slopes = (c_double * len(joined))()
-        targets = [target for target, *_ in joined]
-        return [
-            _copying(slopes, [(k, *rest) for k, (_, *rest) in enumerate(joined)]),
-            self._call(name, "SetRealInputDerivatives", targets, slopes),
-        ]
+        if not known:
+            return []
+        targets = [target for target, *_ in known]
+        places = [(k, *place) for k, (_, *place) in enumerate(known)]
+        slopes = known[0][2]
+        calls: list[Call] = []
+        if not all(f == 1.0 and array is slopes and i == k for k, f, array, i in places):
+            slopes = (c_double * len(known))()
+            calls.append(_copying(slopes, places))
+        return [*calls, self._call(name, "SetRealInputDerivatives", targets, slopes)]
 
     def _call(self, name: str, function: str, ports: Sequence[Port], values: Any) -> Call:
         references = (c_uint * len(ports))(*(self.system.variable(p).reference for p in ports))
@@ -147,9 +148,16 @@ class Slopes:
 
 def _copying(slopes: Any, rates: Sequence[tuple[int, float, Any, int]]) -> Call:
     """Slopes from others: place, factor, array, place in it."""
+    to = _view(slopes)
+    steps = [(k, factor, _view(array), i) for k, factor, array, i in rates]
 
     def copy() -> None:
-        for k, factor, array, i in rates:
-            slopes[k] = factor * array[i]
+        for k, factor, view, i in steps:
+            to[k] = factor * view[i]
 
     return copy
+
+
+def _view(array: Any) -> memoryview[float]:
+    """The numbers of a ctypes array: read and written in less time than through it."""
+    return memoryview(array).cast("B").cast("d")
