@@ -15,10 +15,12 @@ import pytest
 from curvebound.cosim import Adaptive, Scene
 from curvebound.cosim.instance import Library
 from curvebound.cosim.prepared import Prepared
+from curvebound.cosim.resolution import resolve
 from curvebound.cosim.stepwise import Stepwise
 
 STEP = 0.01
 ULP = 2.0**-52
+COUNTED = ("fmi2DoStep", "fmi2SetReal", "fmi2GetReal", "fmi2SetRealInputDerivatives")
 
 
 class Watched:
@@ -32,7 +34,7 @@ class Watched:
 
         def watching(library: Library, called: str) -> Callable[..., int]:
             real = function(library, called)
-            if called not in ("fmi2DoStep", "fmi2SetReal", "fmi2SetRealInputDerivatives"):
+            if called not in COUNTED:
                 return real
 
             def call(*arguments: object) -> int:
@@ -85,6 +87,19 @@ def test_a_smooth_function_is_seldom_set_and_never_left(watched: Watched) -> Non
     off = np.abs(np.array(watched.inputs) - said(smooth))
     assert 0.0 < np.max(off) <= bend
     assert np.max(off[-20:]) <= bend
+
+
+def test_outputs_that_follow_inputs_are_read_once_and_anew_at_jumps(watched: Watched) -> None:
+    """Where an input does not rise, a step is a held one, to the last bit."""
+    forces = ("bead.constraint.force", "bead.wire.fx", "bead.wire.fy")
+    pushed(smooth).record(*forces).run()
+    assert watched.calls["fmi2GetReal"] < 225  # in 200 steps
+    results = []
+    for hold in ("zero", "first"):
+        scene = pushed(lambda t: float(int(t / 0.1 + 1e-9) % 3), hold=hold).record(*forces)
+        scene.input("bead.bead.fy", lambda t: 1.0 if t < 1.0 - 1e-9 else -2.0)
+        results.append(scene.run().data)
+    assert np.array_equal(*results)
 
 
 @pytest.mark.parametrize("jump", [4.0 * ULP, 1e-12, 1e-6])
@@ -191,6 +206,15 @@ def test_several_inputs_of_one_fmu(watched: Watched) -> None:
     assert watched.inputs == [1.0] * 200
     assert watched.calls["fmi2SetReal"] < 40
     assert scene.run()["bead.wire.vy"][-1] == pytest.approx(5.0, rel=1e-13)
+
+
+def test_outputs_that_are_connected_belong_to_their_inputs() -> None:
+    """Gauss-Seidel hands on what follows the state alone: these go on being read apart."""
+    scene = pushed(smooth).add("two", "BeadOnWire").connect("bead.wire.fy", "two.bead.fy")
+    levels = resolve(scene.record("bead.wire.fx", "two.wire.fx")).levels
+    assert levels["bead", "wire.fx"] == levels["bead", "wire.x"] == 0
+    assert levels["bead", "wire.fy"] == 1
+    assert levels["two", "wire.fx"] == 2
 
 
 def test_an_input_beside_connected_ones(watched: Watched) -> None:

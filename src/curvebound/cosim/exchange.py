@@ -43,8 +43,6 @@ class Exchange:
         self._reads: dict[tuple[str, int], list[Call]] = {}
         self._writes: dict[str, list[Call]] = {}
         self.feeders: dict[str, dict[Port, str]] = {name: {} for name in system.nodes}
-        #: components whose Real inputs are set one by one
-        self.apart: set[str] = set()
         self._link: dict[Port, Link] = {link.target: link for link in system.links}
         self._lay_out()
 
@@ -138,17 +136,14 @@ class Exchange:
         return calls
 
     def write(self, instance: Instance) -> list[Call]:
-        """Calls that bring this component's driven inputs up to date; made once.
-
-        Those of Real inputs are not among them where these are set one by one.
-        """
+        """Calls that bring this component's driven inputs up to date; none if it is led."""
         known = self._writes.get(instance.name)
         if known is not None:
             return known
         calls: list[Call] = []
         for kind in KINDS:
             at, targets = self._inputs.get((instance.name, kind), (0, []))
-            if targets and not (kind == "Real" and instance.name in self.apart):
+            if targets and instance.name not in self.system.led:
                 calls += self._copies(kind, at, targets)
                 calls.append(self._transfer(instance, "Set", kind, at, targets))
         self._writes[instance.name] = calls
@@ -227,10 +222,6 @@ class Exchange:
         """The call that sets one Real input."""
         return self._transfer(instance, "Set", "Real", self.input_place(target), [target])
 
-    def real_inputs(self, name: str) -> list[Port]:
-        """The Real inputs of a component that are driven."""
-        return self._inputs.get((name, "Real"), (0, []))[1]
-
     def input_place(self, target: Port) -> int:
         """Where the value of a driven input lies in the array of its kind."""
         at, targets = self._inputs[target[0], self.system.variable(target).kind]
@@ -242,7 +233,6 @@ class Exchange:
         self._kept.clear()
         self._reads.clear()
         self._writes.clear()
-        self.apart.clear()
 
     def origin(self, call: Call) -> tuple[str, str]:
         """Component and FMI function of a prepared call."""

@@ -16,21 +16,11 @@ from .instance import Instance
 from .signals import Signal, unusable
 from .system import Port, System, path_of
 
-__all__ = ["Line", "lines_of", "takes_slope"]
+__all__ = ["Line", "lines_of"]
 
 #: of a step before its end, at which a function is asked for the value at the end
 EARLY = 1e-6
 AHEAD = 1.0 - EARLY
-
-
-def takes_slope(system: System, target: Port) -> bool:
-    """Whether an input may be linear in time."""
-    variable = system.variable(target)
-    return (
-        variable.kind == "Real"
-        and variable.causality == "input"
-        and system.nodes[target[0]].fmu.takes_slopes
-    )
 
 
 class Line:
@@ -117,21 +107,17 @@ def lines_of(
 ) -> dict[Port, Line]:
     """A line for each input of a scene that a function can lead; `run` makes calls.
 
-    They set the inputs of a component where it keeps them and has no others that are Real:
-    `exchange` leaves these to them.
+    They set the inputs of components that are `led`, and read what may depend on them.
     """
     lines = {}
     values: memoryview[float] = memoryview(exchange.reals)  # type: ignore[arg-type]
     for port, function in system.signals.items():
-        if not takes_slope(system, port):
-            continue
-        name, place = port[0], exchange.input_place(port)
-        set_input = None
-        if system.nodes[name].fmu.keeps_inputs and all(
-            other in system.signals and takes_slope(system, other)
-            for other in exchange.real_inputs(name)
-        ):
-            exchange.apart.add(name)
-            set_input = partial(run, [exchange.setting(instances[name], port)])
-        lines[port] = Line(function, path_of(port), values, place, set_input)
+        if system.takes_slope(port):
+            set_input = None
+            if port[0] in system.led:
+                instance = instances[port[0]]
+                calls = [exchange.setting(instance, port), *exchange.read(instance, 0)]
+                set_input = partial(run, calls)
+            place = exchange.input_place(port)
+            lines[port] = Line(function, path_of(port), values, place, set_input)
     return lines

@@ -61,7 +61,7 @@ class Ordering:
                 "Real output that does not depend directly on an input"
             )
         self._tell_order(order, edges, notes)
-        return System(
+        system = System(
             scene=self.scene,
             nodes=self.nodes,
             links=self.links,
@@ -77,6 +77,11 @@ class Ordering:
             groups=groups,
             notes=notes,
         )
+        # what is recorded alone is read with the states where their inputs are those of that time
+        connected = {link.source for link in self.links}
+        alone = [p for p in plain if p[0] in system.led and p not in connected]
+        plain.update(dict.fromkeys(alone, 0))
+        return system
 
     def _tell_order(
         self, order: list[str], edges: dict[str, dict[str, bool]], notes: list[str]

@@ -15,7 +15,7 @@ from typing import Any
 
 from .exchange import Call, Exchange
 from .instance import Instance
-from .lines import Line, takes_slope
+from .lines import Line
 from .system import Link, Port, System
 
 __all__ = ["Slopes", "has_slopes"]
@@ -29,13 +29,13 @@ def is_sloped(system: System, link: Link) -> bool:
         and variable.kind == "Real"
         and variable.variability == "continuous"
         and system.nodes[link.source[0]].fmu.gives_rates
-        and takes_slope(system, link.target)
+        and system.takes_slope(link.target)
     )
 
 
 def has_slopes(system: System) -> bool:
     """Whether any input of a scene can be linear in time: whether `hold` = first is a choice."""
-    return any(takes_slope(system, target) for target in system.signals) or any(
+    return any(system.takes_slope(target) for target in system.signals) or any(
         is_sloped(system, link) for link in system.links
     )
 

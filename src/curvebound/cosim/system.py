@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,8 @@ class Link:
 class System:
     """Everything a master needs. `levels` holds every output that is read at all.
 
+    Those of level 0 are read after a step, those of a higher one once inputs are up to date: an
+    output that depends on inputs at once, unless these are `led` and nothing is connected to it.
     order: in which components step; passing: those whose new outputs gauss_seidel hands to the
     components that step later in the same step.
     recorded: outputs to keep, in the order asked for; controlled: outputs whose error the adaptive
@@ -78,6 +81,28 @@ class System:
     def variable(self, port: Port) -> Variable:
         """The description of a variable."""
         return self.nodes[port[0]].fmu.variables[port[1]]
+
+    def takes_slope(self, target: Port) -> bool:
+        """Whether an input may be linear in time."""
+        variable = self.variable(target)
+        takes = self.nodes[target[0]].fmu.takes_slopes
+        return takes and variable.kind == "Real" and variable.causality == "input"
+
+    @cached_property
+    def led(self) -> set[str]:
+        """Components that after a step have the inputs of its end, unless a function jumps there.
+
+        Functions drive their inputs, all linear in time, and the FMUs keep these.
+        """
+        if self.scene.hold != "first":
+            return set()
+        others = {link.target[0] for link in self.links}
+        others |= {port[0] for port in self.signals if not self.takes_slope(port)}
+        return {
+            port[0]
+            for port in self.signals
+            if port[0] not in others and self.nodes[port[0]].fmu.keeps_inputs
+        }
 
     def row_type(self, ports: Iterable[Port]) -> list[tuple[str, Any]]:
         """Fields of a result's structured array: time (s), then these outputs by path."""
