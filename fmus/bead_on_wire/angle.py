@@ -63,8 +63,12 @@ class BeadAngle(BeadBase):
         )
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
-        self.a0_q0 = self.uy * math.cos(q0) - self.ux * math.sin(q0)
-        self.a0_v0 = -self.k
+        s = math.sin(q0)
+        c = math.cos(q0)
+        k = self.k
+        self.a0 = self.uy * s + self.ux * c - k * v0
+        self.a0_q0 = self.uy * c - self.ux * s
+        self.a0_v0 = -k
 
     def settle(self, h: float) -> None:
         """Keep the angle within a turn."""

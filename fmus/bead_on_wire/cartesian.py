@@ -130,6 +130,8 @@ class BeadCartesian(BeadBase):
         fv0 = -(2.0 * v0 + along * q0) / pp
         fv1 = -(2.0 * v1 + along * q1) / pp
         k = self.k
+        self.a0 = ex - k * v0 + factor * q0
+        self.a1 = ey - k * v1 + factor * q1
         self.a0_q0 = factor + q0 * fq0
         self.a0_q1 = q0 * fq1
         self.a1_q0 = q1 * fq0

@@ -106,6 +106,7 @@ class ParabolaLinear(ParabolaNonlinear):
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         a2 = 2.0 * self.a + t * (2.0 * self.a_rate + t * self.a_acceleration)
+        self.acceleration(t, q0, q1, v0, v1)
         self.a0_q0 = a2 * (self.u_q - self.u_k)
         self.a0_q1 = self.u_k
         self.a1_q0 = a2 * (self.th_q - self.th_k)

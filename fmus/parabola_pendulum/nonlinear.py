@@ -215,6 +215,8 @@ class ParabolaNonlinear(ParabolaBase):
         m_p = -(k * mass * g_p + w * push_p)
         m_o = -(k * w * whirl_o + ratio * lean * twist_o)
         rd = r * d
+        self.a0 = a0
+        self.a1 = (b + along / m2) / r
         self.a0_q0 = n_u / d
         self.a0_q1 = n_th / d
         self.a1_q0 = m_u / rd

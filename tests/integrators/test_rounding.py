@@ -296,6 +296,7 @@ class Bowl(Model):
         self.a1 = 0.0
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        self.acceleration(t, q0, q1, v0, v1)
         a = self.a
         lean = 1.0 + 4.0 * a * a * q0 * q0
         g = 9.81 + 2.0 * a * v0 * v0

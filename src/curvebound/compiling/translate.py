@@ -45,8 +45,7 @@ def translate(
     unit.visible = frozenset().union(*(visible or {}).values())
     for module, functions in (repeated or {}).items():
         _repeat(unit, unit.modules[module], functions)
-    for module, functions in (written_out or {}).items():
-        write_out(unit, module, functions)
+    write_out(unit, written_out or {})
     Writer(unit, core, visible or {}).write()
     return unit
 

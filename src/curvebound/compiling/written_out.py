@@ -19,8 +19,8 @@ __all__ = ["write_out"]
 _WHAT_STAYS = (ast.Name, ast.Attribute, ast.Constant)
 
 
-def write_out(unit: Unit, module: str, names: Collection[str]) -> None:
-    """Write out the functions `names` of a module where it calls them; they are gone afterwards.
+def write_out(unit: Unit, written_out: Mapping[str, Collection[str]]) -> None:
+    """Write out functions (module -> names) where they are called; they are gone afterwards.
 
     They are a docstring and one return, or statements without a return; the bounds of loops in them
     are known where they are called. What is passed to them is a name, an attribute or a number
@@ -28,22 +28,41 @@ def write_out(unit: Unit, module: str, names: Collection[str]) -> None:
     are used there by known indices, as a target `k[1:8]`, or as arguments `*k`. Raises
     CurveboundError for anything else.
     """
-    tree = unit.modules[module].tree
-    functions = {
-        node.name: node
-        for node in tree.body
-        if isinstance(node, ast.FunctionDef) and node.name in names
-    }
-    tree.body = [node for node in tree.body if getattr(node, "name", "") not in functions]
-    constants = dict(unit.modules[module].constants)
-    for name, (source, original) in unit.modules[module].imported.items():
+    functions: dict[str, dict[str, ast.FunctionDef]] = {}
+    for home, names in written_out.items():
+        tree = unit.modules[home].tree
+        functions[home] = {
+            node.name: node
+            for node in tree.body
+            if isinstance(node, ast.FunctionDef) and node.name in names
+        }
+        tree.body = [node for node in tree.body if getattr(node, "name", "") not in names]
+    for name, module in unit.modules.items():
+        # its own come last: they count where names are the same
+        homes = {source for source, _ in module.imported.values() if source in functions}
+        visible = [*sorted(homes), name]
+        called = {key: node for of in visible for key, node in functions.get(of, {}).items()}
+        constants = {key: x for of in visible for key, x in _constants(unit, of).items()}
+        inliner = _Inliner(called, constants, {})
+        for node in ast.walk(module.tree):
+            if isinstance(node, ast.FunctionDef) and any(map(inliner.called, ast.walk(node))):
+                node.body = inliner.block(node.body)
+                _take_apart(node)
+        module.imported = {
+            key: (source, original)
+            for key, (source, original) in module.imported.items()
+            if original not in functions.get(source, {})
+        }
+
+
+def _constants(unit: Unit, name: str) -> dict[str, object]:
+    """What is constant in a module, its own and imported."""
+    module = unit.modules[name]
+    constants: dict[str, object] = {}
+    for key, (source, original) in module.imported.items():
         if source in unit.modules and original in unit.modules[source].constants:
-            constants[name] = unit.modules[source].constants[original]
-    inliner = _Inliner(functions, constants, {})
-    for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef) and any(map(inliner.called, ast.walk(node))):
-            node.body = inliner.block(node.body)
-            _take_apart(node)
+            constants[key] = unit.modules[source].constants[original]
+    return constants | module.constants
 
 
 class _Inliner(ast.NodeTransformer):

@@ -47,14 +47,11 @@ class PlantEngine(DerivativeEngine):
         self.step: float = 0.0
         self.relative: float = 0.0
         self.max_steps: int = 0
-        #: whether the method carries something from step to step
-        self.remembers: bool = False
         self.look_at_drift: bool = False
         self.look_at_linear: bool = False
         # what undo() restores
         self.kept_steps: int = 0
         self.kept_evaluations: int = 0
-        self.memory: list[float] = []
         super().__init__(table, guid)
 
     def start_system(self, reals: dict[str, float], choices: dict[str, int]) -> str:
@@ -74,7 +71,6 @@ class PlantEngine(DerivativeEngine):
             return str(error)
         self.model = model
         self.method = create(item)
-        self.remembers = len(self.method.get_state()) > 0
         self.step = reals["solver.step"]
         self.relative = reals["solver.tolerance"]
         self.max_steps = choices["solver.max_steps"]
@@ -136,9 +132,8 @@ class PlantEngine(DerivativeEngine):
             return self.varying(model)
         self.kept_steps = method.steps
         self.kept_evaluations = method.evaluations
-        if self.remembers:
-            self.memory = method.get_state()
         model.keep()
+        method.keep()
         self.kept = True
         moving = model
         try:
@@ -183,8 +178,7 @@ class PlantEngine(DerivativeEngine):
         self.model.undo()
         self.method.steps = self.kept_steps
         self.method.evaluations = self.kept_evaluations
-        if self.remembers:
-            self.method.set_state(self.memory)
+        self.method.undo()
 
     def output(self, name: str) -> float:
         """An output by name, brought up to date."""
@@ -218,7 +212,7 @@ class PlantEngine(DerivativeEngine):
             said = watch.linear(error, self.model.remedy("nonlinear"), self.time)
             if said:
                 self.say(WARNING, said)
-        if self.remembers and self.method.CHOOSES_STEP:
+        if self.method.ORDER > 0 and self.method.CHOOSES_STEP:
             tolerance, setting, time = self.relative, self.tolerance_name(), self.time
             model = self.model
             doubt = max(self.method.doubt(), MAGNIFIED * model.magnification)

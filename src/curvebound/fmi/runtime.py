@@ -81,9 +81,12 @@ WRITTEN_OUT = {
     "curvebound.kernel.implicit": ("ahead", "evaluate", "find_powers", "find_times", "place"),
     "curvebound.kernel.polynomial": ("evaluate_at", "find_coefficients"),
     "curvebound.kernel.lobatto": (
-        *("copy", "estimated", "evaluate", "fill", "find_powers", "follow", "larger", "moves"),
-        *("place", "quadrature", "weighted"),
+        *("estimated", "evaluate", "find_powers", "larger", "moves", "place", "quadrature"),
     ),
+    "curvebound.kernel.newton": (
+        *("add", "apart", "correct", "evaluate", "linearise", "shift", "subtract", "total"),
+    ),
+    "curvebound.kernel.stages": ("copy", "fill", "follow", "weighted"),
 }
 
 

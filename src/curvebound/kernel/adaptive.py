@@ -127,18 +127,16 @@ class Adaptive(Method):
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
     ) -> int:
-        self.keep()
-        self.collocation.sweeps = 0
+        self.collocation.begin()
         self.stiff.begin()
         outcome = self.reach(model, duration, tolerance, max_steps)
-        self.evaluations += 7 * self.collocation.sweeps
+        self.evaluations += 7 * self.collocation.sweeps + self.collocation.newton.evaluations
         self.evaluations += self.stiff.evaluations + self.rounding.evaluations
         self.steps += self.stiff.steps
         if outcome == DONE:
             self.rounding.time += duration
         else:
             self.passed = self.elapsed.t
-            self.undo()
         return outcome
 
     def doubt(self) -> float:
@@ -278,11 +276,14 @@ class Adaptive(Method):
                 else:
                     self.reached = self.wished
                     return TOO_MANY_STEPS
-            except (ArithmeticError, ValueError):
+            except (ArithmeticError, ValueError, NotImplementedError):
                 if not trying:
                     raise
-                # a stage left the model's domain or the finite numbers: far too large a step
                 trying = False
+                if collocation.newton.failed and not collocation.plain:
+                    collocation.plain = True
+                    continue
+                # a stage left the model's domain or the finite numbers: far too large a step
                 error = math.inf
             collocation.noisy = rejected
             rejected = True

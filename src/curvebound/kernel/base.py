@@ -179,7 +179,7 @@ class Model:
         raise NotImplementedError
 
     def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
-        """Set a0_q0 ... a1_v1 to the closed-form derivatives of acceleration()."""
+        """What acceleration() sets, and a0_q0 ... a1_v1: its derivatives in closed form."""
         raise NotImplementedError
 
     def balance(self, t: float) -> None:

@@ -8,7 +8,10 @@ from typing import Final, final
 from .base import Model
 from .rounding import NEGLIGIBLE, Rounding
 
-__all__ = ["CONVERGED", "DIVERGES", "GOES_ON", "SLOWEST", "Course", "scale"]
+__all__ = [
+    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "PRESUMED", "ROUNDING", "SLOWEST"),
+    *("Course", "scale"),
+]
 
 # what comes out of a sweep
 GOES_ON: Final = 0
@@ -90,9 +93,24 @@ class Course:
             self.contraction = max(change / self.change, FASTEST)
             left = change * self.contraction
         self.change = change
-        if left <= max(PART * tolerance, ROUNDING):
+        contraction = self.contraction if sweep > 1 else 0.0
+        return self.judged(model, rounding, t, h, change, left, contraction, PART * tolerance)
+
+    def judged(
+        self,
+        model: Model,
+        rounding: Rounding,
+        t: float,
+        h: float,
+        change: float,
+        left: float,
+        contraction: float,
+        allowed: float,
+    ) -> int:
+        """What comes out where a change leaves as much, and is that part of the one before."""
+        if left <= max(allowed, ROUNDING):
             return CONVERGED
-        if sweep > 1 and self.contraction > SLOWEST:
+        if contraction > SLOWEST:
             if not self.known:
                 self.look(model, rounding, t)
             if change <= h * (self.noise0 * self.scale0 + self.noise1 * self.scale1):

@@ -77,6 +77,7 @@ class Implicit(Method):
         self.k21: float = 0.0
         #: s, size of the last step; 0: there was none
         self.last: float = 0.0
+        self.kept: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
         #: J, balance of energy at the present state and the size of its parts, while `weighed`
         self.energy: float = 0.0
         self.stake: float = 0.0
@@ -93,6 +94,12 @@ class Implicit(Method):
     def set_state(self, state: list[float]) -> None:
         self.k10, self.k11, self.k20, self.k21, self.last = state
 
+    def keep(self) -> None:
+        self.kept = (self.k10, self.k11, self.k20, self.k21, self.last)
+
+    def undo(self) -> None:
+        self.k10, self.k11, self.k20, self.k21, self.last = self.kept
+
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
     ) -> int:
@@ -100,13 +107,11 @@ class Implicit(Method):
         if count > max_steps:
             self.reached = h
             return TOO_MANY_STEPS
-        before = self.get_state()
         self.tries = 0
         self.weighed = False
         for i in range(count):
             outcome = self.step(model, i * h, h, 0, max_steps)
             if outcome != DONE:
-                self.set_state(before)
                 return outcome
         return DONE
 

@@ -19,19 +19,16 @@ from typing import Final, final
 
 from .base import Model
 from .course import CONVERGED, DIVERGES, GOES_ON, SLOWEST, Course, scale
-from .lobatto_tables import NODES, STAGES, WEIGHTS, A, R, Stages, Table
-from .polynomial import extrapolated, tail
+from .lobatto_tables import NODES, STAGES, WEIGHTS, Stages
+from .newton import ANOTHER, Newton
+from .polynomial import FARTHEST, extrapolated, tail
 from .rounding import Rounding
+from .stages import LAST, copy, fill, follow
 
 __all__ = ["Collocation"]
 
-LAST: Final = STAGES - 1
 #: the first stage of the late half
 LATE: Final = 5
-
-#: longest step, in units of the last, that is extrapolated to: rounding grows as the seventh power
-#: and passes for the scale of the motion, so that a wrong step is taken for a right one
-FARTHEST: Final = 16.0
 #: most sweeps in a step
 MOST_SWEEPS: Final = 12
 #: part of the tolerance to which an error has to come up for rounding to be forgotten
@@ -59,6 +56,16 @@ class Collocation:
         #: sweeps made, for the caller to count
         self.sweeps: int = 0
         self.course = Course()
+        self.newton = Newton()
+        #: whether Newton's method is left alone, for there are no derivatives
+        self.plain: bool = False
+
+    def begin(self) -> None:
+        """Forget counts: before a communication step."""
+        self.sweeps = 0
+        self.plain = False
+        self.newton.evaluations = 0
+        self.newton.failed = False
 
     def take(self, other: Collocation) -> None:
         """Remember what `other` does."""
@@ -116,61 +123,72 @@ class Collocation:
         # nor are rates at the stages needed that no acceleration depends on
         rates = model.uses_rates
         fill(b, b0)
-        if 0.0 < h <= FARTHEST * self.h:
-            r = 2.0 * h / self.h
-            a[1:8] = extrapolated(self.a, a0, r)
-            if two:
-                b[1:8] = extrapolated(self.b, b0, r)
-        else:
-            fill(a, a0)
         a[0], x[0], u[0] = a0, q0, v0
         b[0], y[0], w[0] = b0, q1, v1
         fill(y, q1)
         fill(w, v1)
-        place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
         course = self.course
         course.begin(model, rounding, t, self.noisy, self.contraction)
-        error = 0.0
-        for sweep in range(MOST_SWEEPS):
-            u7, w7 = u[7], w[7]
-            place(two, rates, h, a, x, u, b, y, w, 1, LATE)
-            evaluate(model, t, h, x, y, u, w, a, b, 1, LATE)
-            place(two, rates, h, a, x, u, b, y, w, LATE, LAST)
-            place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
-            a5, a6, b5, b6 = a[5], a[6], b[5], b[6]
-            evaluate(model, t, h, x, y, u, w, a, b, LATE, STAGES)
-            self.sweeps += 1
-            if not two:
-                two = moves(b)
-                if two:
-                    continue
-            if course.scale0 == 0.0:
-                course.scale0 = scale(v0, u[7], h, a0, a[7], rounding.size0)
-                course.scale1 = scale(v1, w[7], h, b0, b[7], rounding.size1)
-            change = larger(course, u[7] - u7, w[7] - w7)
-            still = 0.0
-            if sweep == 0:
-                # the end may be hit by chance: what the next sweep would change it by at most
-                still0 = WEIGHTS[5] * math.fabs(a[5] - a5) + WEIGHTS[6] * math.fabs(a[6] - a6)
-                still1 = WEIGHTS[5] * math.fabs(b[5] - b5) + WEIGHTS[6] * math.fabs(b[6] - b6)
-                still = h * larger(course, still0, still1)
-            outcome = course.outcome(model, rounding, t, h, sweep, change, still, tolerance)
-            if outcome == DIVERGES:
-                return math.inf
-            if outcome == GOES_ON and sweep != 1:
-                continue
-            # known well enough after two sweeps to spare the further ones of too large a step
-            error = estimated(course, two, h, a, b)
-            if not error <= tolerance and not course.known:
-                # less what is rounding, which shorter steps have too
-                course.look(model, rounding, t)
-                error = estimated(course, two, h, a, b)
-            if not error <= tolerance:
+        error = ANOTHER
+        if not two and not self.plain:
+            newton = self.newton
+            error = newton.solve(model, rounding, course, self.a, self.h, t, h, a0, tolerance)
+            if error == ANOTHER:
+                two = True
+                course.begin(model, rounding, t, self.noisy, self.contraction)
+            elif not error <= tolerance:
                 return error
-            if outcome == CONVERGED:
-                break
-        else:
-            return math.inf
+            else:
+                copy(newton.a, a)
+        if error == ANOTHER:
+            if 0.0 < h <= FARTHEST * self.h:
+                r = 2.0 * h / self.h
+                a[1:8] = extrapolated(self.a, a0, r)
+                if two:
+                    b[1:8] = extrapolated(self.b, b0, r)
+            else:
+                fill(a, a0)
+            place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
+            for sweep in range(MOST_SWEEPS):
+                u7, w7 = u[7], w[7]
+                place(two, rates, h, a, x, u, b, y, w, 1, LATE)
+                evaluate(model, t, h, x, y, u, w, a, b, 1, LATE)
+                place(two, rates, h, a, x, u, b, y, w, LATE, LAST)
+                place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
+                a5, a6, b5, b6 = a[5], a[6], b[5], b[6]
+                evaluate(model, t, h, x, y, u, w, a, b, LATE, STAGES)
+                self.sweeps += 1
+                if not two:
+                    two = moves(b)
+                    if two:
+                        continue
+                if course.scale0 == 0.0:
+                    course.scale0 = scale(v0, u[7], h, a0, a[7], rounding.size0)
+                    course.scale1 = scale(v1, w[7], h, b0, b[7], rounding.size1)
+                change = larger(course, u[7] - u7, w[7] - w7)
+                still = 0.0
+                if sweep == 0:
+                    # the end may be hit by chance: what the next sweep would change it by at most
+                    still0 = WEIGHTS[5] * math.fabs(a[5] - a5) + WEIGHTS[6] * math.fabs(a[6] - a6)
+                    still1 = WEIGHTS[5] * math.fabs(b[5] - b5) + WEIGHTS[6] * math.fabs(b[6] - b6)
+                    still = h * larger(course, still0, still1)
+                outcome = course.outcome(model, rounding, t, h, sweep, change, still, tolerance)
+                if outcome == DIVERGES:
+                    return math.inf
+                if outcome == GOES_ON and sweep != 1:
+                    continue
+                # known well enough after two sweeps to spare the further ones of too large a step
+                error = estimated(course, two, h, a, b)
+                if not error <= tolerance and not course.known:
+                    # less what is rounding, which shorter steps have too
+                    course.look(model, rounding, t)
+                    error = estimated(course, two, h, a, b)
+                if not error <= tolerance:
+                    return error
+                if outcome == CONVERGED:
+                    break
+            else:
+                return math.inf
         work = 0.0
         if model.works:
             p: Stages = [0.0] * STAGES
@@ -194,18 +212,6 @@ class Collocation:
 
 
 # -- over the stages: written out where they are called when compiled (runtime.WRITTEN_OUT) --------
-def fill(k: Stages, value: float) -> None:
-    """Set all but the first."""
-    for i in range(1, STAGES):
-        k[i] = value
-
-
-def copy(source: Stages, target: Stages) -> None:
-    """Set the elements of target to those of source."""
-    for i in range(STAGES):
-        target[i] = source[i]
-
-
 # fmt: off
 def place(
     two: bool, rates: bool, h: float, a: Stages, x: Stages, u: Stages, b: Stages, y: Stages,
@@ -216,15 +222,6 @@ def place(
     if two:
         follow(rates, h, b, y, w, start, stop)
 # fmt: on
-
-
-def follow(rates: bool, h: float, k: Stages, x: Stages, w: Stages, start: int, stop: int) -> None:
-    """Set the stages start to stop - 1, x and w, of a coordinate with the accelerations k."""
-    for i in range(start, stop):
-        x[i] = x[0] + (NODES[i] * h * w[0] + h * h * weighted(R, STAGES * i, k, i % LAST - STAGES))
-    if rates:
-        for i in range(start, stop):
-            w[i] = w[0] + h * weighted(A, STAGES * i, k, i - STAGES)
 
 
 # fmt: off
@@ -278,17 +275,3 @@ def estimated(course: Course, two: bool, h: float, a: Stages, b: Stages) -> floa
 def larger(course: Course, change0: float, change1: float) -> float:
     """The larger of the changes of the two rates, relative to each."""
     return max(math.fabs(change0) * course.scale0, math.fabs(change1) * course.scale1)
-
-
-def weighted(table: Table, row: int, k: Stages, first: int) -> float:
-    """The row that begins at `row` times k, added in pairs.
-
-    It begins with the element that belongs to k[first]; counted from the end, k is a circle.
-    """
-    return (
-        (table[row] * k[first] + table[row + 1] * k[first + 1])
-        + (table[row + 2] * k[first + 2] + table[row + 3] * k[first + 3])
-    ) + (
-        (table[row + 4] * k[first + 4] + table[row + 5] * k[first + 5])
-        + (table[row + 6] * k[first + 6] + table[row + 7] * k[first + 7])
-    )

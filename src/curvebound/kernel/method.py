@@ -66,9 +66,9 @@ class Method:
 
         Fixed-step methods make `count` steps of duration / count, or none and TOO_MANY_STEPS where
         count exceeds `max_steps`; adaptive ones honour `tolerance` and make at most `max_steps`,
-        rejected ones included. After a failure the model's state is undefined and the caller undoes
-        it, but what get_state() gives is as before. May let ZeroDivisionError, ValueError or
-        OverflowError of the model pass: they mean NOT_FINITE, and the caller calls undo().
+        rejected ones included. After a failure the states of the model and of the method are
+        undefined: the caller, who has called keep() of both, calls undo(). May let
+        ZeroDivisionError, ValueError or OverflowError of the model pass: they mean NOT_FINITE.
         """
         raise NotImplementedError
 
@@ -97,4 +97,4 @@ class Method:
         """Remember what get_state() would give, cheaply, for one undo()."""
 
     def undo(self) -> None:
-        """Return to what keep() remembered; advance() keeps first, so this undoes an advance()."""
+        """Return to what keep() remembered, counters excepted."""

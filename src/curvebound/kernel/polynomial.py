@@ -7,9 +7,13 @@ from typing import Final
 
 from .lobatto_tables import NODES, POWERS, STAGES, Stages
 
-__all__ = ["extrapolated", "tail"]
+__all__ = ["FARTHEST", "extrapolated", "tail"]
 
 Seven = tuple[float, float, float, float, float, float, float]
+
+#: longest step, in units of the last, that is extrapolated to: rounding grows as the seventh power
+#: and passes for the scale of the motion, so that a wrong step is taken for a right one
+FARTHEST: Final = 16.0
 
 # coefficients of the Legendre polynomials of degree 7 (H) and 6 (F), by differences and sums of
 # mirrored values

@@ -94,6 +94,8 @@ class Ramp(Model):
         if math.fabs(t - model.moved) > self.alike:
             model.move(t)
         model.jacobian(0.0, q0, q1, v0, v1)
+        self.a0 = model.a0
+        self.a1 = model.a1
         self.a0_q0, self.a0_q1, self.a1_q0, self.a1_q1 = (
             model.a0_q0, model.a0_q1, model.a1_q0, model.a1_q1
         )  # fmt: skip

@@ -89,6 +89,7 @@ class DerivedClass(ModelParts):
         pairs += [(s.name, n * INVERSE) for s, n in zip(a, numerators, strict=True)]
         first = self.body(pairs, [*self.state, INVERSE], moving=True)
         lines += first
+        lines += [f"        self.{s.name} = {s.name}" for s in a]
         slopes = []
         for i, n in enumerate(numerators):
             for s, field in (*self.coordinates, *self.rates):

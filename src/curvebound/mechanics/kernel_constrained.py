@@ -156,12 +156,13 @@ class ConstrainedClass(DerivedClass):
     def _jacobian(self) -> list[str]:
         lines = ["", f"    def jacobian(self, {self.arguments()}) -> None:"]
         symbols = zip(self.known, ("q0", "q1", "v0", "v1"), strict=True)
-        slopes = [
+        pairs = [(f"self.a{i}", e) for i, e in enumerate(self.c.accelerations)]
+        pairs += [
             (f"self.a{i}_{field}", e.diff(s))
             for s, field in symbols
             for i, e in enumerate(self.c.accelerations)
         ]
-        return lines + self.body(slopes, self.known)
+        return lines + self.body(pairs, self.known)
 
     def _energies(self) -> list[str]:
         d = self.d

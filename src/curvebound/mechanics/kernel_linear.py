@@ -85,13 +85,14 @@ class LinearClass(DerivedClass):
     def _jacobian(self) -> list[str]:
         numerators, denominator = self.linear.accelerations
         lines = ["", f"    def jacobian(self, {self.arguments()}) -> None:"]
-        slopes = [
+        pairs = [(f"self.a{i}", n / denominator) for i, n in enumerate(numerators)]
+        pairs += [
             (f"self.a{i}_{field}", n.diff(s) / denominator)
             for i, n in enumerate(numerators)
             for s, field in (*self.coordinates, *self.rates)
             if n.diff(s) != 0
         ]
-        return lines + self.body(slopes, self.state, moving=True)
+        return lines + self.body(pairs, self.state, moving=True)
 
     def _system(self) -> list[str]:
         rows = [
@@ -101,7 +102,6 @@ class LinearClass(DerivedClass):
         return [
             "",
             "    def linear_system(self) -> list[list[float]]:",
-            "        self.acceleration(0.0, 0.0, 0.0, 0.0, 0.0)",
             "        self.jacobian(0.0, 0.0, 0.0, 0.0, 0.0)",
             "        return [",
             "            [0.0, 0.0, 1.0, 0.0, 0.0],",

@@ -1,0 +1,258 @@
+"""The stages of a Lobatto step of one coordinate, found by Newton's method.
+
+The first sweep is one of lobatto.Collocation's. The second takes the derivatives at the stages,
+too: the corrections by which the accelerations meet their values to first order are found at once,
+by sweeps that take no evaluation. They square what was left, and where that is not enough, the same
+derivatives serve for further ones. The equations cost more than the sums only where there is one
+coordinate: with two, derivatives cost more than they save.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, final
+
+from .base import Model
+from .course import (
+    CONVERGED,
+    DIVERGES,
+    FASTEST,
+    GOES_ON,
+    PRESUMED,
+    ROUNDING,
+    SLOWEST,
+    Course,
+    scale,
+)  # fmt: skip
+from .lobatto_tables import NODES, STAGES, WEIGHTS, A, R, Stages
+from .polynomial import FARTHEST, extrapolated, tail
+from .rounding import Rounding
+from .stages import LAST, copy, fill, follow, weighted
+
+__all__ = ["ANOTHER", "Newton"]
+
+#: for an error: another coordinate moves
+ANOTHER: Final = -1.0
+#: the first stages of halves of a sweep
+LATE: Final = 5
+#: the first stage that the first sweep evaluates in a step that is no longer than this, in units of
+#: the last: those before are extrapolated well enough
+FIRST: Final = 3
+NEAR: Final = 1.6
+#: most sweeps in a step, and most for the corrections of one
+MOST_SWEEPS: Final = 12
+#: part of the tolerance to which sweeps converge: less costs next to nothing here
+PART: Final = 0.1
+#: what corrections leave of a change, relative to its square: one in a hundred leaves more
+CURVATURE: Final = 1.0
+#: how far corrections may be off: in units of what sweeps may leave, and of their own square
+OFF: Final = 0.01
+SQUARED: Final = 1e-3
+
+
+@final
+class Newton:
+    """What the method found last: accelerations at the stages."""
+
+    def __init__(self) -> None:
+        self.a: Stages = [0.0] * STAGES
+        # derivatives of the acceleration by the coordinate and by its rate
+        self.a_x: Stages = [0.0] * STAGES
+        self.a_u: Stages = [0.0] * STAGES
+        #: of the equations of motion, for the caller to count
+        self.evaluations: int = 0
+        #: whether derivatives have failed
+        self.failed: bool = False
+        #: how much the other coordinate is accelerated
+        self.other: float = 0.0
+
+    def solve(
+        self,
+        model: Model,
+        rounding: Rounding,
+        course: Course,
+        last: Stages,
+        last_h: float,
+        t: float,
+        h: float,
+        a0: float,
+        tolerance: float,
+    ) -> float:
+        """Find the accelerations at the stages of a step of h s from time t (s), where it is a0.
+
+        last: those of the step before, of last_h s; 0: there was none. Returns the estimated error
+        relative to the rate, as lobatto.Collocation.step() does, or ANOTHER.
+        """
+        q1 = model.q1
+        v1 = model.v1
+        rates = model.uses_rates
+        # accelerations, before a sweep, by how much they miss, corrections, and those before;
+        # coordinates and rates, and by how much corrections shift them
+        a: Stages = [0.0] * STAGES
+        f: Stages = [0.0] * STAGES
+        r: Stages = [0.0] * STAGES
+        d: Stages = [0.0] * STAGES
+        e: Stages = [0.0] * STAGES
+        x: Stages = [0.0] * STAGES
+        u: Stages = [0.0] * STAGES
+        y: Stages = [0.0] * STAGES
+        w: Stages = [0.0] * STAGES
+        if 0.0 < h <= FARTHEST * last_h:
+            a[1:8] = extrapolated(last, a0, 2.0 * h / last_h)
+        else:
+            fill(a, a0)
+        a[0], x[0], u[0] = a0, model.q0, model.v0
+        self.other = 0.0
+        before = unit = 0.0
+        allowed = PART * tolerance
+        off = OFF * max(allowed, ROUNDING)
+        for sweep in range(MOST_SWEEPS):
+            copy(a, f)
+            if sweep == 0:
+                if not 0.0 < h <= NEAR * last_h:
+                    follow(rates, h, a, x, u, 1, FIRST)
+                    evaluate(self, model, t, h, x, q1, u, v1, a, 1, FIRST)
+                follow(rates, h, a, x, u, FIRST, LATE)
+                evaluate(self, model, t, h, x, q1, u, v1, a, FIRST, LATE)
+                follow(rates, h, a, x, u, LATE, LAST)
+                follow(True, h, a, x, u, LAST, STAGES)
+                evaluate(self, model, t, h, x, q1, u, v1, a, LATE, STAGES)
+                course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
+                unit = h * course.scale0
+                change = unit * apart(a, f)
+                contraction = max(course.contraction, PRESUMED)
+            else:
+                follow(rates, h, a, x, u, 1, STAGES)
+                if sweep == 1:
+                    self.failed = True
+                    linearise(self, model, t, h, x, q1, u, v1, a)
+                    self.failed = False
+                else:
+                    evaluate(self, model, t, h, x, q1, u, v1, a, 1, STAGES)
+                subtract(a, f, r)
+                copy(r, d)
+                change = unit * total(d)
+                enough = max(off, SQUARED * change * change)
+                shrinking = course.contraction
+                moved = 0.0
+                for _ in range(MOST_SWEEPS):
+                    copy(d, e)
+                    shift(rates, h, d, y, w, 1, LATE)
+                    correct(self, rates, r, y, w, d, 1, LATE)
+                    shift(rates, h, d, y, w, LATE, STAGES)
+                    correct(self, rates, r, y, w, d, LATE, STAGES)
+                    moves = unit * apart(d, e)
+                    if moved > 0.0:
+                        shrinking = moves / moved
+                        if not shrinking <= SLOWEST:
+                            break
+                    if moves * shrinking <= enough:
+                        break
+                    moved = moves
+                if not shrinking <= SLOWEST:
+                    # they do not converge: the sweep as it is
+                    copy(r, d)
+                add(f, d, a)
+                contraction = max(change / before, FASTEST) if before > 0.0 else FASTEST
+                if sweep == 1:
+                    course.contraction = contraction
+                    contraction = CURVATURE * change
+            if self.other != 0.0:
+                return ANOTHER
+            before = change
+            left = change * contraction
+            slow = contraction if sweep > 1 else 0.0
+            outcome = course.judged(model, rounding, t, h, change, left, slow, allowed)
+            if outcome == DIVERGES:
+                return math.inf
+            if outcome == GOES_ON and sweep == 0:
+                continue
+            # known well enough after two sweeps to spare the further ones of too large a step
+            error = course.scale0 * (h * tail(course.noise0, *a))
+            if not error <= tolerance and not course.known:
+                # less what is rounding, which shorter steps have too
+                course.look(model, rounding, t)
+                error = course.scale0 * (h * tail(course.noise0, *a))
+            if outcome == CONVERGED or not error <= tolerance:
+                copy(a, self.a)
+                return error
+        return math.inf
+
+
+# -- over the stages: written out where they are called when compiled (runtime.WRITTEN_OUT) --------
+# fmt: off
+def evaluate(
+    newton: Newton, model: Model, t: float, h: float, x: Stages, q1: float, u: Stages, v1: float,
+    a: Stages, start: int, stop: int,
+) -> None:
+    """Set the accelerations a at the stages start to stop - 1."""
+    for i in range(start, stop):
+        model.acceleration(t + NODES[i] * h, x[i], q1, u[i], v1)
+        a[i] = model.a0
+        newton.other += math.fabs(model.a1)
+    newton.evaluations += stop - start
+
+
+def linearise(
+    newton: Newton, model: Model, t: float, h: float, x: Stages, q1: float, u: Stages, v1: float,
+    a: Stages,
+) -> None:
+    """Set the accelerations a at all stages, and their derivatives there."""
+    for i in range(1, STAGES):
+        model.jacobian(t + NODES[i] * h, x[i], q1, u[i], v1)
+        a[i] = model.a0
+        newton.other += math.fabs(model.a1)
+        newton.a_x[i] = model.a0_q0
+        newton.a_u[i] = model.a0_v0
+    newton.evaluations += STAGES - 1
+
+
+def correct(
+    newton: Newton, rates: bool, r: Stages, y: Stages, w: Stages, d: Stages, start: int, stop: int,
+) -> None:
+    """Set the corrections d of the stages start to stop - 1, which are shifted by y and w."""
+    for i in range(start, stop):
+        d[i] = r[i] + newton.a_x[i] * y[i]
+    if rates:
+        for i in range(start, stop):
+            d[i] += newton.a_u[i] * w[i]
+# fmt: on
+
+
+def shift(rates: bool, h: float, k: Stages, x: Stages, w: Stages, start: int, stop: int) -> None:
+    """Set by how much corrections k shift the stages start to stop - 1."""
+    for i in range(start, stop):
+        x[i] = h * h * weighted(R, STAGES * i, k, i % LAST - STAGES)
+    if rates:
+        for i in range(start, stop):
+            w[i] = h * weighted(A, STAGES * i, k, i - STAGES)
+
+
+def subtract(k: Stages, before: Stages, target: Stages) -> None:
+    """Set all but the first element of target to the difference."""
+    for i in range(1, STAGES):
+        target[i] = k[i] - before[i]
+
+
+def add(k: Stages, correction: Stages, target: Stages) -> None:
+    """Set all but the first element of target to the sum."""
+    for i in range(1, STAGES):
+        target[i] = k[i] + correction[i]
+
+
+def total(k: Stages) -> float:
+    """The most by which corrections k can change the mean over the step."""
+    return (
+        (WEIGHTS[1] * math.fabs(k[1]) + WEIGHTS[2] * math.fabs(k[2]))
+        + (WEIGHTS[3] * math.fabs(k[3]) + WEIGHTS[4] * math.fabs(k[4]))
+        + (WEIGHTS[5] * math.fabs(k[5]) + WEIGHTS[6] * math.fabs(k[6]))
+    ) + WEIGHTS[7] * math.fabs(k[7])
+
+
+def apart(k: Stages, before: Stages) -> float:
+    """The most by which the mean over the step can differ between k and before."""
+    return (
+        (WEIGHTS[1] * math.fabs(k[1] - before[1]) + WEIGHTS[2] * math.fabs(k[2] - before[2]))
+        + (WEIGHTS[3] * math.fabs(k[3] - before[3]) + WEIGHTS[4] * math.fabs(k[4] - before[4]))
+        + (WEIGHTS[5] * math.fabs(k[5] - before[5]) + WEIGHTS[6] * math.fabs(k[6] - before[6]))
+    ) + WEIGHTS[7] * math.fabs(k[7] - before[7])

@@ -1,0 +1,50 @@
+"""Loops over the stages of a Lobatto step.
+
+Written out where they are called when compiled (runtime.WRITTEN_OUT).
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from .lobatto_tables import NODES, STAGES, A, R, Stages, Table
+
+__all__ = ["copy", "fill", "follow", "weighted"]
+
+#: number of the last stage
+LAST: Final = STAGES - 1
+
+
+def fill(k: Stages, value: float) -> None:
+    """Set all but the first."""
+    for i in range(1, STAGES):
+        k[i] = value
+
+
+def copy(source: Stages, target: Stages) -> None:
+    """Set the elements of target to those of source."""
+    for i in range(STAGES):
+        target[i] = source[i]
+
+
+def follow(rates: bool, h: float, k: Stages, x: Stages, w: Stages, start: int, stop: int) -> None:
+    """Set the stages start to stop - 1, x and w, of a coordinate with the accelerations k."""
+    for i in range(start, stop):
+        x[i] = x[0] + (NODES[i] * h * w[0] + h * h * weighted(R, STAGES * i, k, i % LAST - STAGES))
+    if rates:
+        for i in range(start, stop):
+            w[i] = w[0] + h * weighted(A, STAGES * i, k, i - STAGES)
+
+
+def weighted(table: Table, row: int, k: Stages, first: int) -> float:
+    """The row that begins at `row` times k, added in pairs.
+
+    It begins with the element that belongs to k[first]; counted from the end, k is a circle.
+    """
+    return (
+        (table[row] * k[first] + table[row + 1] * k[first + 1])
+        + (table[row + 2] * k[first + 2] + table[row + 3] * k[first + 3])
+    ) + (
+        (table[row + 4] * k[first + 4] + table[row + 5] * k[first + 5])
+        + (table[row + 6] * k[first + 6] + table[row + 7] * k[first + 7])
+    )
