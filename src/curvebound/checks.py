@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .checking.changes import wrong_changes
-from .checking.points import anywhere, models, numbers_of
+from .checking.derivatives import wrong_derivatives
+from .checking.points import anywhere, models, numbers_of, pushes
 from .checking.rates import wrong_rates
 from .cosim import Scene
 from .cosim.fmu import Value, read_fmu
@@ -30,7 +31,7 @@ from .cosim.instance import Instance, Library, Log
 from .fmi.build import build
 from .fmi.cached import cached_fmu
 from .fmi.compile import why_not
-from .fmi.declaration import INPUT, OUTPUT, PARAMETER, Fmu
+from .fmi.declaration import OUTPUT, PARAMETER, Fmu
 from .fmi.folder import Folder
 from .mechanics.numeric import extended
 from .study.settings import STEP_ORDERS
@@ -40,6 +41,7 @@ from .study.stability.sample_report import passes
 __all__ = [
     "CHECKS",
     "changes_follow_outputs",
+    "derivatives_follow_accelerations",
     "is_a_valid_fmu",
     "is_right_at_random_points",
     "keeps_the_balance_of_energy",
@@ -60,8 +62,6 @@ _STATES, _CLOSE = 300, 1e-12
 _POINTS = 200
 #: an error below this is rounding
 _NOISE = 3e-12
-#: amplitude of an input in a check, by unit
-_PUSH = {"m/s2": 1.0, "N": 0.5}
 
 
 def is_a_valid_fmu(folder: Path | str) -> None:
@@ -102,6 +102,15 @@ def kernel_follows_mechanics(folder: Path | str) -> None:
                 )
 
 
+def derivatives_follow_accelerations(folder: Path | str) -> None:
+    """What the kernel's jacobian() sets are its accelerations and their derivatives, to 1e-6."""
+    fmu = _of(folder).fmu()
+    rng = random.Random(1)
+    for label, choices in models(fmu):
+        wrong = wrong_derivatives(fmu, numbers_of(fmu, choices), rng, _STATES)
+        assert not wrong, f"{label}{wrong}"
+
+
 def changes_follow_outputs(folder: Path | str) -> None:
     """What fmi2GetDirectionalDerivative gives are the slopes of the outputs over the inputs."""
     fmu = _of(folder).fmu()
@@ -133,7 +142,7 @@ def keeps_the_balance_of_energy(folder: Path | str) -> None:
     built = cached_fmu(system)
     for label, choices in models(fmu):
         start = {**_damped(fmu), **choices, "solver.method": "adaptive", "solver.tolerance": 1e-10}
-        got = _run(built, start, _inputs(fmu))
+        got = _run(built, start, pushes(fmu))
         moved = got["energy.kinetic"].max() + np.ptp(got["energy.potential"])
         residual = float(np.abs(got["energy.residual"]).max())
         assert residual <= 1e-7 * max(moved, 1e-3), (
@@ -230,8 +239,8 @@ def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
     for label, choices in models(fmu):
         for method in ["adaptive", *STEP_ORDERS] if plant else [""]:
             start = {**_damped(fmu), **choices, **({"solver.method": method} if method else {})}
-            one = _run(built, start, _inputs(fmu), stop=0.3)
-            other = _run(interpreted, start, _inputs(fmu), stop=0.3)
+            one = _run(built, start, pushes(fmu), stop=0.3)
+            other = _run(interpreted, start, pushes(fmu), stop=0.3)
             wrong = [name for name in one if not np.array_equal(one[name], other[name])]
             assert not wrong, f"{label}{method}: {', '.join(wrong)} differ"
 
@@ -240,6 +249,7 @@ def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
 CHECKS: tuple[Callable[[Path | str], None], ...] = (
     is_a_valid_fmu,
     kernel_follows_mechanics,
+    derivatives_follow_accelerations,
     changes_follow_outputs,
     rates_follow_outputs,
     keeps_the_balance_of_energy,
@@ -278,18 +288,6 @@ def _damped(fmu: Fmu) -> dict[str, Value]:
         for v in fmu.variables
         if v.kind == PARAMETER and v.unit in ("N.s/m", "N.m.s/rad") and v.start == 0.0
     }
-
-
-def _inputs(fmu: Fmu) -> dict[str, Callable[[float], float]]:
-    """A sine for each input, no two of one frequency."""
-    return {
-        v.name: functools.partial(_sine, _PUSH.get(v.unit, 0.2), 0.3 + 0.17 * number)
-        for number, v in enumerate(v for v in fmu.variables if v.kind == INPUT)
-    }
-
-
-def _sine(amplitude: float, frequency: float, time: float) -> float:
-    return amplitude * math.sin(2.0 * math.pi * frequency * time)
 
 
 def _run(
@@ -338,7 +336,7 @@ def _steps(
 
     got: dict[str, list[float]] = {name: [] for name in outputs}
     for number in range(first, end):
-        for name, signal in _inputs(fmu).items():
+        for name, signal in pushes(fmu).items():
             instance.set(name, signal(0.05 * number))
         instance.call("DoStep", c_double(0.05 * number), c_double(0.05), c_int(1))
         for name, values in got.items():

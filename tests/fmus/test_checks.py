@@ -10,13 +10,21 @@ from pathlib import Path
 import pytest
 
 from curvebound import checks
+from curvebound.checking.points import pushes
 from curvebound.fmi.folder import find
 
+#: the acceleration as it comes with its derivatives
+WITH_THEM = "a0 = self.uy * s + self.ux * c - k * v0"
 FAULTS: dict[Callable[[Path], None], tuple[str, str, str]] = {
     checks.kernel_follows_mechanics: (
         "a0 -= k * v0",
         "a0 -= 1.0001 * k * v0",
         "the acceleration of bead.angle is",
+    ),
+    checks.derivatives_follow_accelerations: (
+        "self.a0_q0 = self.uy * c - self.ux * s",
+        "self.a0_q0 = self.uy * c",
+        r"jacobian\(\) sets a0_q0 to \S+, but differences of acceleration\(\) are",
     ),
     checks.changes_follow_outputs: (
         "normal = self.ex * math.sin(self.q0)",
@@ -39,8 +47,8 @@ FAULTS: dict[Callable[[Path], None], tuple[str, str, str]] = {
         "rk4 has order 4, but its error falls as",
     ),
     checks.saves_its_whole_state: (
-        "k = self.k\n",
-        "self.k += 1e-6\n        k = self.k\n",
+        "k = self.k\n        if k",
+        "self.k += 1e-6\n        k = self.k\n        if k",
         "differ after fmi2SetFMUstate",
     ),
 }
@@ -54,8 +62,12 @@ def test_a_fault_is_found(check: Callable[[Path], None], tmp_path: Path, monkeyp
     shutil.copytree(find("BeadOnWire").path, folder)
     old, new, said = FAULTS[check]
     source = folder / "angle.py"
-    assert source.read_text().count(old) == 1
-    source.write_text(source.read_text().replace(old, new))
+    text = source.read_text()
+    assert text.count(old) == 1
+    text = text.replace(old, new)
+    if check is checks.methods_have_their_orders:
+        text = text.replace(f"self.{WITH_THEM}", f"self.{WITH_THEM} + (1.0 if q0 > 1.2 else 0.0)")
+    source.write_text(text)
     with pytest.raises(AssertionError, match=said) as caught:
         check(folder)
     assert "model.formulation = angle: " in str(caught.value)
@@ -69,14 +81,15 @@ def test_a_fault_is_found_at_random_points(tmp_path: Path, monkeypatch) -> None:
     shutil.copytree(find("BeadOnWire").path, folder)
     source = folder / "angle.py"
     old = "a0 = self.uy * math.sin(q0)"
-    source.write_text(source.read_text().replace(old, f"{old} * 1.001"))
+    text = source.read_text().replace(old, f"{old} * 1.001")
+    source.write_text(text.replace("self.uy * s +", "self.uy * s * 1.001 +"))
     with pytest.raises(AssertionError, match="points of its ranges are not accurate") as caught:
         checks.is_right_at_random_points(folder)
     assert "wrong, error" in str(caught.value)
 
 
 def test_each_input_is_pushed_by_a_sine_of_its_own() -> None:
-    pushed = checks._inputs(find("BeadOnWire").fmu())
+    pushed = pushes(find("BeadOnWire").fmu())
     at = {name: push(0.5) for name, push in pushed.items()}
     assert at == pytest.approx({
         "wire.ax": math.sin(0.3 * math.pi), "wire.ay": math.sin(0.47 * math.pi),

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import random
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from ..cosim.fmu import Value
 from ..fmi.declaration import CHOICE, COUNT_PARAMETER, INPUT, PARAMETER, Fmu
 
-__all__ = ["anywhere", "models", "numbers_of"]
+__all__ = ["anywhere", "models", "numbers_of", "pushes"]
+
+#: amplitude of an input that is pushed, by unit
+_PUSH = {"m/s2": 1.0, "N": 0.5}
 
 
 def models(fmu: Fmu) -> Iterable[tuple[str, dict[str, Value]]]:
@@ -42,3 +46,15 @@ def numbers_of(fmu: Fmu, choices: Mapping[str, Value]) -> dict[str, int]:
         if v.type is not None and v.name in choices:
             numbers[v.name] = v.type.number(str(choices[v.name]))
     return numbers
+
+
+def pushes(fmu: Fmu) -> dict[str, Callable[[float], float]]:
+    """A sine for each input, no two of one frequency."""
+    return {
+        v.name: functools.partial(_sine, _PUSH.get(v.unit, 0.2), 0.3 + 0.17 * number)
+        for number, v in enumerate(v for v in fmu.variables if v.kind == INPUT)
+    }
+
+
+def _sine(amplitude: float, frequency: float, time: float) -> float:
+    return amplitude * math.sin(2.0 * math.pi * frequency * time)

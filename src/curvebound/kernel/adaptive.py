@@ -55,6 +55,8 @@ LARGEST: Final = 1e300
 class Adaptive(Method):
     """Seven evaluations per sweep, usually two to four sweeps per step, order 14.
 
+    One coordinate alone takes one sweep of five and one of seven, by Newton's method.
+
     The tolerance is relative to the rates, each coordinate's own. A motion that starts from rest,
     or rests, thus needs no absolute tolerance. Where something fast has happened, slow steps may
     make as much less, for their errors of time count there; so may all steps where the model says

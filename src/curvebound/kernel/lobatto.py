@@ -9,7 +9,8 @@ has the stages
 The first guess of the K_j extrapolates the polynomial through those of the last step. Each sweep
 evaluates them anew, the early half with the old ones, the late half with the new early ones, and
 gains two to three digits. The evaluations of a half do not wait for each other, and the sums are
-added in pairs: the processor overlaps them.
+added in pairs: the processor overlaps them. Where one coordinate moves alone, newton.Newton finds
+them.
 """
 
 from __future__ import annotations

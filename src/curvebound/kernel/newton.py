@@ -104,12 +104,13 @@ class Newton:
         a[0], x[0], u[0] = a0, model.q0, model.v0
         self.other = 0.0
         before = unit = 0.0
+        near = 0.0 < h <= NEAR * last_h
         allowed = PART * tolerance
         off = OFF * max(allowed, ROUNDING)
         for sweep in range(MOST_SWEEPS):
             copy(a, f)
             if sweep == 0:
-                if not 0.0 < h <= NEAR * last_h:
+                if not near:
                     follow(rates, h, a, x, u, 1, FIRST)
                     evaluate(self, model, t, h, x, q1, u, v1, a, 1, FIRST)
                 follow(rates, h, a, x, u, FIRST, LATE)
@@ -149,14 +150,16 @@ class Newton:
                     if moves * shrinking <= enough:
                         break
                     moved = moves
-                if not shrinking <= SLOWEST:
-                    # they do not converge: the sweep as it is
+                converges = shrinking <= SLOWEST
+                if not converges:
+                    # the sweep as it is
                     copy(r, d)
                 add(f, d, a)
                 contraction = max(change / before, FASTEST) if before > 0.0 else FASTEST
                 if sweep == 1:
                     course.contraction = contraction
-                    contraction = CURVATURE * change
+                    if converges:
+                        contraction = CURVATURE * change
             if self.other != 0.0:
                 return ANOTHER
             before = change
@@ -165,8 +168,13 @@ class Newton:
             outcome = course.judged(model, rounding, t, h, change, left, slow, allowed)
             if outcome == DIVERGES:
                 return math.inf
-            if outcome == GOES_ON and sweep == 0:
-                continue
+            if sweep == 0:
+                if outcome == GOES_ON:
+                    continue
+                if near:
+                    # there is no other sweep that would
+                    follow(rates, h, a, x, u, 1, FIRST)
+                    evaluate(self, model, t, h, x, q1, u, v1, a, 1, FIRST)
             # known well enough after two sweeps to spare the further ones of too large a step
             error = course.scale0 * (h * tail(course.noise0, *a))
             if not error <= tolerance and not course.known:
