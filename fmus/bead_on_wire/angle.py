@@ -35,9 +35,12 @@ class BeadAngle(BeadBase):
 
     def refresh(self) -> None:
         super().refresh()
+        self.uses_rates = self.k != 0.0
+        self.refresh_values()
+
+    def refresh_values(self) -> None:
         self.ux = self.ex / self.r
         self.uy = self.ey / self.r
-        self.uses_rates = self.k != 0.0
 
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
         a0 = self.uy * math.sin(q0)

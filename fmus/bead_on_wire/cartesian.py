@@ -86,6 +86,9 @@ class BeadCartesian(BeadBase):
         self.last_x = self.q0
         self.last_y = self.q1
         self.last_spin = self.q0 * self.v1 - self.q1 * self.v0
+        self.refresh_values()
+
+    def refresh_values(self) -> None:
         # In the constant field e the square of the rate grows by no more than this / r^4
         self.swing = 4.0 * math.sqrt(self.ex * self.ex + self.ey * self.ey) * self.r * self.rr
 

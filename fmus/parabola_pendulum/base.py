@@ -194,17 +194,13 @@ class ParabolaBase(FramedModel):
             self.move_frame(duration)
             self.refresh()
 
-    def move_frame(self, duration: float) -> None:
-        super().move_frame(duration)
-        half = 0.5 * duration
-        bend = half * self.a_acceleration - THIRD * duration * duration * self.a_jerk
-        self.a += duration * (self.a_rate + bend)
-        self.a_rate += duration * (self.a_acceleration - half * self.a_jerk)
-
-    def restore_frame(self) -> None:
-        super().restore_frame()
-        self.a = self.kept_a
-        self.a_rate = self.kept_a_rate
+    def move_frame(self, t: float) -> None:
+        super().move_frame(t)
+        if self.reshapes:
+            half = 0.5 * t
+            bend = half * self.a_acceleration - THIRD * t * t * self.a_jerk
+            self.a = self.kept_a + t * (self.kept_a_rate + bend)
+            self.a_rate = self.kept_a_rate + t * (self.a_acceleration - half * self.a_jerk)
 
     # -- rollback and saved state ----------------------------------------------------------------
     def get_state(self) -> list[float]:
@@ -220,6 +216,11 @@ class ParabolaBase(FramedModel):
         super().keep()
         self.kept_a = self.a
         self.kept_a_rate = self.a_rate
+
+    def undo(self) -> None:
+        self.a = self.kept_a
+        self.a_rate = self.kept_a_rate
+        super().undo()
 
     # -- observation -----------------------------------------------------------------------------
     def reactions(self) -> tuple[float, float, float, float]:

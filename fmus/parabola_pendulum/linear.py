@@ -63,11 +63,14 @@ class ParabolaLinear(ParabolaNonlinear):
         """The angle is no angle to this model: turns stay in it."""
 
     def refresh(self) -> None:
+        self.damped = self.c1 != 0.0 or self.c2 != 0.0
+        self.uses_rates = self.damped
         super().refresh()
         # a frame that moves steadily is none to this model
         self.works = self.forced or self.reshapes or self.ax != 0.0 or self.ay != 0.0
-        self.damped = self.c1 != 0.0 or self.c2 != 0.0
-        self.uses_rates = self.damped
+
+    def refresh_values(self) -> None:
+        super().refresh_values()
         m1 = self.m1
         m2 = self.m2
         r = self.r

@@ -43,6 +43,9 @@ class ParabolaNonlinear(ParabolaBase):
 
     def refresh(self) -> None:
         super().refresh()
+        self.refresh_values()
+
+    def refresh_values(self) -> None:
         self.magnification = self.first_magnification
         if self.reshapes and not self.is_linear:
             # how steep it becomes is not known yet

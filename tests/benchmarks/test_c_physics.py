@@ -160,6 +160,7 @@ def test_c_fmu_has_the_same_driven_damped_physics(c_fmus: dict[str, Loaded], nam
     slave.setReal([loaded.references[key] for key in inputs], list(inputs.values()))
     for i in range(40):
         slave.doStep(i * 0.02, 0.02)
+        model.keep()
         assert method.advance(model, 0.02, 10, 1e-6, 10**6) == 0
         model.advance_frame(0.02)
     expected = [0.0] * len(model.OUTPUTS)

@@ -119,6 +119,7 @@ def test_work_of_inputs_and_damping(ratio: float) -> None:
     before = sum(model.energies())
     method = create(6)
     for _ in range(10):
+        model.keep()
         assert method.advance(model, 0.3, 1, 1e-6, 1) == DONE
         model.advance_frame(0.3)
         moved = abs(model.work) + abs(sum(model.energies())) + abs(before)

@@ -57,6 +57,7 @@ def random_inputs(model: Any, rng: random.Random) -> list[float]:
 
 def step(model: Any, inputs: list[float], duration: float = 0.05, count: int = 25) -> None:
     model.set_inputs(inputs, 0)
+    model.keep()
     RK4().advance(model, duration, count, 0.0, count)
     model.advance_frame(duration)
 
@@ -180,6 +181,7 @@ def test_frame_follows_its_polynomial(kind: str, new: Any, outputs: Any) -> None
             model.set_inputs([ax, -ax, bend, *zeros[1:]], 0)
             a += a_rate * duration + bend * duration**2 / 2
             a_rate += bend * duration
+        model.keep()
         model.advance_frame(duration)
         x += v * duration + ax * duration**2 / 2
         v += ax * duration
@@ -244,6 +246,7 @@ def test_terms_that_are_off_are_off(kind: str, bead_defaults: Any, parabola_defa
         model.start(defaults, choices)
         model.set_inputs(on, 0)
         assert model.works
+        model.keep()
         model.advance_frame(1.0)
         model.set_inputs(off, 0)
         # a frame or a shape that keeps moving does work; to the linear model a steady frame is none

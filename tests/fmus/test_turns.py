@@ -163,6 +163,7 @@ def test_turning_that_begins_later(
     model = new()
     assert not model.settles
     for _ in range(40):
+        model.keep()
         RK4().advance(model, 0.25, 25, 0.0, 25)
         model.advance_frame(0.25)
     assert model.settles

@@ -137,8 +137,9 @@ def motion(name: str, setting: str) -> Iterator[tuple[str, dict[str, Any]]]:
     tolerance, count = SETTINGS[setting]
     for part in range(3):
         model.set_inputs(inputs_of(model, part, steady=setting == "exact"), 0)
-        if part == 2 and model.INPUTS and setting != "exact":
+        if model.INPUTS:
             model.keep()
+        if part == 2 and model.INPUTS and setting != "exact":
             ramp.begin(model, [0.1 * x for x in inputs_of(model, 1, steady=False)], 0.2)
             outcome = method.advance(ramp, 0.2, count, tolerance, 100_000)
             ramp.end()

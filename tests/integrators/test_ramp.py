@@ -75,12 +75,20 @@ def derived(fmu: str) -> Any:
     return kernel_module(find(fmu).derived())
 
 
-def started(kernel: str, *, steady: bool = False) -> tuple[Any, dict[str, float]]:
+#: nothing that moves or forces without an input
+CALM = ("parabola.coefficient_rate_start", "bead.damping", "slider.damping", "pendulum.damping")
+
+
+def started(
+    kernel: str, *, steady: bool = False, calm: bool = False
+) -> tuple[Any, dict[str, float]]:
     of, _, name = kernel.rpartition("-")
     fmu, choices = MODELS[name]
     parameters = dict(PARAMETERS[fmu])
     if steady:
         parameters["parabola.coefficient_rate_start"] = 0.0
+    if calm:
+        parameters |= {name: 0.0 for name in CALM if name in parameters}
     model = (derived(fmu) if of else find(fmu).module("kernel")).model(choices)
     model.start(parameters, choices)
     return model, parameters
@@ -92,9 +100,15 @@ def advanced(
     """One communication step as the FMU makes it."""
     model.set_inputs(first, 0)
     model.keep()
+    made = create(method)
+    if made.MOVES:
+        model.begin_rise(slopes)
+        assert made.advance(model, duration, count, 1e-12, 100_000) == DONE
+        model.end_rise(duration)
+        return
     ramp = Ramp()
     ramp.begin(model, slopes, duration)
-    assert create(method).advance(ramp, duration, count, 1e-12, 100_000) == DONE
+    assert made.advance(ramp, duration, count, 1e-12, 100_000) == DONE
     ramp.end()
 
 
@@ -151,7 +165,11 @@ def given(name: str, *, steady: bool) -> tuple[list[float], list[float]]:
 def reference(name: str, *, steady: bool) -> list[float]:
     """The state after DURATION."""
     _, p = started(name, steady=steady)
-    first, slopes = given(name, steady=steady)
+    return solved(name, p, *given(name, steady=steady))
+
+
+def solved(name: str, p: dict[str, float], first: list[float], slopes: list[float]) -> list[float]:
+    """The state after DURATION by the equations of systems.md."""
 
     def inputs(t: float) -> Any:
         return np.array(first) + t * np.array(slopes)
@@ -231,6 +249,54 @@ def test_motion_and_work(kernel: str, method: str) -> None:
         rate = parameters["parabola.coefficient_rate_start"]
         a = 0.5 + t * (rate + t * (first[2] / 2 + t * slopes[2] / 6))
         assert model.a == pytest.approx(a, rel=1e-14)
+
+
+@cache
+def alone(name: str, number: int, share: float) -> list[float]:
+    """The state after DURATION with one input, which is zero after a share of it."""
+    _, p = started(name, calm=True)
+    return solved(name, p, *one_alone(name, number, share))
+
+
+def one_alone(name: str, number: int, share: float) -> tuple[list[float], list[float]]:
+    """Inputs and their slopes."""
+    slopes = [0.0] * len(SIZES[MODELS[name][0]][0])
+    first = [*slopes]
+    slopes[number] = 2.0
+    first[number] = -2.0 * share * DURATION
+    return first, slopes
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_a_term_that_is_off_once_counts_before_and_after(kernel: str, share: float) -> None:
+    name = kernel.rpartition("-")[2]
+    for number in range(len(SIZES[MODELS[name][0]][0])):
+        first, slopes = one_alone(name, number, share)
+        for method, count in ((3, 400), (4, 1)):
+            model, _ = started(kernel, calm=True)
+            advanced(method, model, first, slopes, DURATION, count)
+            true = alone(name, number, share)
+            assert np.allclose(state_of(model), true, rtol=0, atol=1e-9)
+            assert abs(residual(model)) <= 2e-8
+            # and then it is as if it had been set
+            other, _ = started(kernel, calm=True)
+            other.set_state(model.get_state())
+            other.set_inputs(model.inputs[: model.input_count], 0)
+            for flag in ("works", "moving", "plain", "forced", "pushed", "reshapes", "is_constant"):
+                assert getattr(model, flag, None) == getattr(other, flag, None)
+
+
+def test_inputs_end_where_their_slopes_lead() -> None:
+    """To the bit: an FMU of a saved state has them so."""
+    for name in MODELS:
+        first, slopes = SIZES[MODELS[name][0]]
+        model, _ = started(name)
+        for method, count in ((3, 3), (3, 7), (4, 1)):
+            advanced(method, model, first, slopes, 0.1, count)
+            assert model.inputs[: len(first)] == [
+                x + 0.1 * slope for x, slope in zip(first, slopes, strict=True)
+            ]
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -71,6 +71,7 @@ def states(factory: Factory, drawn: random.Random) -> Iterator[Any]:
                 model.set_inputs([inputs[name] for name in model.INPUTS], 0)
                 yield model
                 saved = model.get_state()
+                model.keep()
                 model.advance_frame(0.2)
                 yield model
                 model.set_state(saved)

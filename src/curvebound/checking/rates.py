@@ -29,6 +29,7 @@ def wrong_rates(fmu: Fmu, numbers: dict[str, int], rng: random.Random, count: in
         model = fmu.system.factory(numbers)
         model.start(values, numbers)
         model.set_inputs([values[name] for name in model.INPUTS], 0)
+        model.keep()
         model.advance_frame(1.0)  # which then moves
         motion = OutputRates(model)
         motion.begin()

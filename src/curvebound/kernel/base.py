@@ -23,6 +23,7 @@ MOST_INPUTS: Final = 32
 #: of a communication step, by which times differ that are meant to be the same
 ALIKE: Final = 4e-16
 Inputs = Annotated[list[float], MOST_INPUTS]
+Numbers = Annotated[list[int], MOST_INPUTS]
 #: of one FMU
 MOST_VARIABLES: Final = 512
 Values = Annotated[list[float], MOST_VARIABLES]
@@ -60,9 +61,11 @@ class Model:
         #: the present inputs, in the order of INPUTS, and their slopes: for take_inputs()
         self.inputs: Inputs = [0.0] * MOST_INPUTS
         self.slopes: Inputs = [0.0] * MOST_INPUTS
-        #: whether inputs rise, those at the communication point, and the time (s) since then to
-        #: which move() has brought them
+        #: whether inputs rise, how many and which, what they were at the communication point, and
+        #: the time (s) since then to which move() has brought them
         self.rises: bool = False
+        self.rising_count: int = 0
+        self.rising: Numbers = [0] * MOST_INPUTS
         self.first: Inputs = [0.0] * MOST_INPUTS
         self.moved: float = 0.0
         #: J, net work since the start: by drive and inputs, less what damping dissipated
@@ -124,48 +127,76 @@ class Model:
 
     def hold_inputs(self) -> None:
         """Take over `inputs`, without slopes."""
-        self.rises = False
-        for i in range(self.input_count):
-            self.slopes[i] = 0.0
+        if self.rises:
+            self.drop_slopes()
         self.take_inputs()
         self.refresh()
+
+    def drop_slopes(self) -> None:
+        """Let no input rise any more."""
+        self.rises = False
+        for k in range(self.rising_count):
+            self.slopes[self.rising[k]] = 0.0
 
     def begin_rise(self, slopes: Inputs) -> None:
         """From the communication point on, keep() called, inputs rise by `slopes` (1/s).
 
         Equations and energies are then asked for time 0, after move() to their time.
         """
+        count = 0
+        from_zero = False
         for i in range(self.input_count):
-            self.first[i] = self.inputs[i]
-            self.slopes[i] = slopes[i]
+            slope = slopes[i]
+            self.slopes[i] = slope
+            if slope != 0.0:
+                self.rising[count] = i
+                count += 1
+                self.first[i] = self.inputs[i]
+                if self.first[i] == 0.0:
+                    from_zero = True
+                    self.inputs[i] = slope
+        self.rising_count = count
         self.rises = True
         self.moved = 0.0
+        if from_zero:  # terms that are off at the communication point, but not after it
+            self.take_inputs()
+            self.refresh()
+            self.move(0.0)
 
     def move(self, t: float) -> None:
         """Bring inputs and frame to t s after the communication point."""
         self.moved = t
-        for i in range(self.input_count):
-            self.inputs[i] = self.first[i] + t * self.slopes[i]
-        self.restore_frame()
-        self.take_inputs()
+        self.lead_inputs(t)
         self.move_frame(t)
-        self.refresh()
+        self.refresh_values()
+
+    def lead_inputs(self, t: float) -> None:
+        """Bring inputs to t s after the communication point."""
+        for k in range(self.rising_count):
+            i = self.rising[k]
+            self.inputs[i] = self.first[i] + t * self.slopes[i]
+        self.take_inputs()
 
     def end_rise(self, duration: float) -> None:
         """At the end of a communication step, with the inputs of that time."""
-        if math.fabs(duration - self.moved) > ALIKE * math.fabs(duration):
-            self.move(duration)
-        self.rises = False
-        for i in range(self.input_count):
-            self.slopes[i] = 0.0
+        self.lead_inputs(duration)
+        self.advance_frame(duration)
+        self.drop_slopes()
         self.take_inputs()
-        self.advance_frame(0.0)
+        self.refresh()
 
     def take_inputs(self) -> None:
         """Take over `inputs`, and of `slopes` those of the accelerations that move the frame."""
 
     def refresh(self) -> None:
         """Bring what is derived from state, frame and inputs up to date."""
+
+    def refresh_values(self) -> None:
+        """The same after a move(): which terms are off is what it was in begin_rise().
+
+        Then an input that rises was not zero. A model that has less to do than refresh() says so.
+        """
+        self.refresh()
 
     # -- equations ---------------------------------------------------------------------------------
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
@@ -227,11 +258,11 @@ class Model:
     def advance_frame(self, duration: float) -> None:
         """At the end of a communication step: move_frame(), refresh(), and whole turns."""
 
-    def move_frame(self, duration: float) -> None:
-        """Move the frame exactly (a polynomial of time): the inputs are those of its end."""
+    def move_frame(self, t: float) -> None:
+        """Bring the frame to where it is t s after keep(), exactly: a polynomial of time.
 
-    def restore_frame(self) -> None:
-        """Bring the frame back to where keep() was called."""
+        The inputs are those of that time.
+        """
 
     # -- rollback and saved state ------------------------------------------------------------------
     def get_state(self) -> list[float]:

@@ -91,20 +91,15 @@ class FramedModel(Model):
         self.balance_energy = self.kinetic + self.potential - self.work
         self.balance_size = self.kinetic + self.potential_size + math.fabs(self.work)
 
-    def move_frame(self, duration: float) -> None:
-        half = 0.5 * duration
-        third = THIRD * duration
-        # the accelerations at the start were those at the end less duration times the jerk
-        self.x += duration * (self.vx + half * self.ax - third * duration * self.jx)
-        self.y += duration * (self.vy + half * self.ay - third * duration * self.jy)
-        self.vx += duration * (self.ax - half * self.jx)
-        self.vy += duration * (self.ay - half * self.jy)
-
-    def restore_frame(self) -> None:
-        self.x = self.kept_x
-        self.y = self.kept_y
-        self.vx = self.kept_vx
-        self.vy = self.kept_vy
+    def move_frame(self, t: float) -> None:
+        if self.moving:
+            half = 0.5 * t
+            third = THIRD * t
+            # the accelerations were the present ones less t times the jerk
+            self.x = self.kept_x + t * (self.kept_vx + half * self.ax - third * t * self.jx)
+            self.y = self.kept_y + t * (self.kept_vy + half * self.ay - third * t * self.jy)
+            self.vx = self.kept_vx + t * (self.ax - half * self.jx)
+            self.vy = self.kept_vy + t * (self.ay - half * self.jy)
 
     def write_energies(self, values: Values, at: int) -> None:
         """Write energy.kinetic, .potential, .total, .residual from values[at] on."""
@@ -171,7 +166,10 @@ class FramedModel(Model):
         self.v0 = self.kept_v0
         self.v1 = self.kept_v1
         self.work = self.kept_work
-        self.restore_frame()
+        self.x = self.kept_x
+        self.y = self.kept_y
+        self.vx = self.kept_vx
+        self.vy = self.kept_vy
         self.turns = self.kept_turns
         self.settles = self.kept_settles
         self.refresh()

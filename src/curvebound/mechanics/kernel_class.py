@@ -33,6 +33,8 @@ class DerivedClass(ModelParts):
         # what is written first declares and computes the constants that the others have found
         rates = self.uses_rates(*self.d.accelerations)
         first = [*self._head(), *self._refresh(), f"        self.uses_rates = {rates}"]
+        first += ["        self.refresh_values()"]
+        first += self._refresh_values('"""What is constant while frame and inputs are."""')
         return [*first, *(line for method in methods for line in method)]
 
     # -- equations -------------------------------------------------------------------------------

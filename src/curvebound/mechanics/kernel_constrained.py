@@ -66,10 +66,10 @@ class ConstrainedClass(DerivedClass):
         head += [f"        self.last_{n}: float = 0.0" for n in ("x", "y", "side", "rate")]
         head += [f"        self.{s.name}: float = 0.0" for s in self.constants.values()]
         head += ["", "    def refresh(self) -> None:", "        super().refresh()"]
-        head += self._constants()
         head += ["        self.uses_rates = True"]
         head += ["        self.last_x = self.q0", "        self.last_y = self.q1"]
         head += self.body([("self.last_side", self._side()), ("self.last_rate", self._rate())])
+        head += self._refresh_values("super().refresh_values()")
         return [*head, *(line for method in methods for line in method)]
 
     def _rate(self) -> sympy.Expr:

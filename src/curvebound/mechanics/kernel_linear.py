@@ -50,7 +50,7 @@ class LinearClass(DerivedClass):
         moved = any_of(("self.ax", "self.ay"))
         head.append(f"        self.works = not self.plain or {moved}")
         head.append(f"        self.uses_rates = {self.uses_rates(*self.linear.accelerations)}")
-        head += self._constants()
+        head += self._refresh_values("super().refresh_values()")
         return [*head, *(line for method in methods for line in method)]
 
     def _unwound(self) -> list[str]:

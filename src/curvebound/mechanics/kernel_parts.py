@@ -196,13 +196,13 @@ class ModelParts(SizeParts):
             lines.append(f"        self.damped = {any_of(f'self.{n}' for n in own)}")
         lines.append("        self.plain = not (self.pushed or self.damped or self.reshapes)")
         lines.append("        self.works = self.moving or not self.plain")
-        lines += self._constants()
         return lines
 
-    def _constants(self) -> list[str]:
-        """Lines that compute the constants of a communication step."""
+    def _refresh_values(self, first: str) -> list[str]:
+        """Lines that compute what is constant between two moves of frame and inputs."""
+        lines = ["", "    def refresh_values(self) -> None:", f"        {first}"]
         known = {s for e in self.constants for s in e.free_symbols}
-        lines = [f"        {self.local(s)} = self.{self.field(s)}" for s in sorted(known, key=str)]
+        lines += [f"        {self.local(s)} = self.{self.field(s)}" for s in sorted(known, key=str)]
         printer = Printer({s: self.local(s) for s in known})
         for e, s in self.constants.items():
             lines.append(f"        self.{s.name} = {printer(e)}")
@@ -219,20 +219,16 @@ class ModelParts(SizeParts):
         lines += ["            self.move_frame(duration)", "            self.refresh()"]
         if not self.shapes:
             return lines
-        lines += ["", "    def move_frame(self, duration: float) -> None:"]
-        lines += ["        super().move_frame(duration)", "        half = 0.5 * duration"]
+        lines += ["", "    def move_frame(self, t: float) -> None:"]
+        lines += ["        super().move_frame(t)", "        if self.reshapes:"]
+        lines += ["            half = 0.5 * t"]
         for x in self.shapes:
             a = self.names[x]
-            bend = f"half * self.{a}_acceleration - THIRD * duration * duration * self.{a}_jerk"
-            lines.append(f"        self.{a} += duration * (self.{a}_rate + {bend})")
+            bend = f"half * self.{a}_acceleration - THIRD * t * t * self.{a}_jerk"
+            lines.append(f"            bend = {bend}")
+            lines.append(f"            self.{a} = self.kept_{a} + t * (self.kept_{a}_rate + bend)")
             rate = f"self.{a}_acceleration - half * self.{a}_jerk"
-            lines.append(f"        self.{a}_rate += duration * ({rate})")
-        lines += ["", "    def restore_frame(self) -> None:", "        super().restore_frame()"]
-        lines += [
-            f"        self.{self.names[s]} = self.kept_{self.names[s]}"
-            for x in self.shapes
-            for s in (x, x.rate)
-        ]
+            lines.append(f"            self.{a}_rate = self.kept_{a}_rate + t * ({rate})")
         return lines
 
     def _reduced(self, then: str) -> list[str]:
@@ -259,11 +255,9 @@ class ModelParts(SizeParts):
         lines.append(f"        return [*super().get_state(), {values}]")
         lines += ["", "    def keep(self) -> None:", "        super().keep()"]
         lines += [f"        self.kept_{n} = self.{n}" for n in more]
-        if others:  # frame and shapes are brought back by restore_frame()
-            lines += ["", "    def undo(self) -> None:"]
-            lines += [f"        self.{n} = self.kept_{n}" for n in others]
-            lines += ["        super().undo()"]
-        return lines
+        lines += ["", "    def undo(self) -> None:"]
+        lines += [f"        self.{n} = self.kept_{n}" for n in more]
+        return [*lines, "        super().undo()"]
 
     def _words(self) -> list[str]:
         lines: list[str] = []
