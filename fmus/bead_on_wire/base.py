@@ -94,11 +94,11 @@ class BeadBase(FramedModel):
         """Set the state to an angle within a turn (rad) and its rate (rad/s)."""
         raise NotImplementedError
 
-    def take_inputs(self) -> None:
-        self.ax = self.inputs[0]
-        self.ay = self.inputs[1]
-        self.fx = self.inputs[2]
-        self.fy = self.inputs[3]
+    def take_inputs(self, t: float) -> None:
+        self.ax = self.inputs[0] + t * self.slopes[0]
+        self.ay = self.inputs[1] + t * self.slopes[1]
+        self.fx = self.inputs[2] + t * self.slopes[2]
+        self.fy = self.inputs[3] + t * self.slopes[3]
         self.jx = self.slopes[0]
         self.jy = self.slopes[1]
         self.ex = self.gx + self.fx / self.m - self.ax

@@ -161,14 +161,14 @@ class ParabolaBase(FramedModel):
     def place(self) -> None:
         """Bring the initial state into the form that the fidelity integrates."""
 
-    def take_inputs(self) -> None:
-        self.ax = self.inputs[0]
-        self.ay = self.inputs[1]
-        self.a_acceleration = self.inputs[2]
-        self.f1x = self.inputs[3]
-        self.f1y = self.inputs[4]
-        self.f2x = self.inputs[5]
-        self.f2y = self.inputs[6]
+    def take_inputs(self, t: float) -> None:
+        self.ax = self.inputs[0] + t * self.slopes[0]
+        self.ay = self.inputs[1] + t * self.slopes[1]
+        self.a_acceleration = self.inputs[2] + t * self.slopes[2]
+        self.f1x = self.inputs[3] + t * self.slopes[3]
+        self.f1y = self.inputs[4] + t * self.slopes[4]
+        self.f2x = self.inputs[5] + t * self.slopes[5]
+        self.f2y = self.inputs[6] + t * self.slopes[6]
         self.jx = self.slopes[0]
         self.jy = self.slopes[1]
         self.a_jerk = self.slopes[2]

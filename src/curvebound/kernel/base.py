@@ -23,7 +23,6 @@ MOST_INPUTS: Final = 32
 #: of a communication step, by which times differ that are meant to be the same
 ALIKE: Final = 4e-16
 Inputs = Annotated[list[float], MOST_INPUTS]
-Numbers = Annotated[list[int], MOST_INPUTS]
 #: of one FMU
 MOST_VARIABLES: Final = 512
 Values = Annotated[list[float], MOST_VARIABLES]
@@ -58,16 +57,14 @@ class Model:
         self.v0: float = 0.0
         self.v1: float = 0.0
         self.input_count: int = len(self.INPUTS)
-        #: the present inputs, in the order of INPUTS, and their slopes: for take_inputs()
+        #: inputs at the communication point, in the order of INPUTS, and slopes: for take_inputs()
         self.inputs: Inputs = [0.0] * MOST_INPUTS
         self.slopes: Inputs = [0.0] * MOST_INPUTS
-        #: whether inputs rise, how many and which, what they were at the communication point, and
-        #: the time (s) since then to which move() has brought them
+        #: whether inputs rise, and the time (s) since then to which move() has brought the model
         self.rises: bool = False
-        self.rising_count: int = 0
-        self.rising: Numbers = [0] * MOST_INPUTS
-        self.first: Inputs = [0.0] * MOST_INPUTS
         self.moved: float = 0.0
+        #: the inputs, while find_terms() puts others there
+        self.present: Inputs = [0.0] * MOST_INPUTS
         #: J, net work since the start: by drive and inputs, less what damping dissipated
         self.work: float = 0.0
         #: J, energies at the start: by them it is known how much has moved since
@@ -129,64 +126,63 @@ class Model:
         """Take over `inputs`, without slopes."""
         if self.rises:
             self.drop_slopes()
-        self.take_inputs()
+        self.take_inputs(0.0)
         self.refresh()
 
     def drop_slopes(self) -> None:
         """Let no input rise any more."""
         self.rises = False
-        for k in range(self.rising_count):
-            self.slopes[self.rising[k]] = 0.0
+        for i in range(self.input_count):
+            self.slopes[i] = 0.0
 
     def begin_rise(self, slopes: Inputs) -> None:
         """From the communication point on, keep() called, inputs rise by `slopes` (1/s).
 
         Equations and energies are then asked for time 0, after move() to their time.
         """
-        count = 0
         from_zero = False
         for i in range(self.input_count):
             slope = slopes[i]
             self.slopes[i] = slope
-            if slope != 0.0:
-                self.rising[count] = i
-                count += 1
-                self.first[i] = self.inputs[i]
-                if self.first[i] == 0.0:
-                    from_zero = True
-                    self.inputs[i] = slope
-        self.rising_count = count
+            if slope != 0.0 and self.inputs[i] == 0.0:
+                from_zero = True
         self.rises = True
         self.moved = 0.0
-        if from_zero:  # terms that are off at the communication point, but not after it
-            self.take_inputs()
-            self.refresh()
-            self.move(0.0)
+        if from_zero:
+            self.find_terms()
+
+    def find_terms(self) -> None:
+        """Let terms count that are off at the communication point alone, where inputs are zero."""
+        for i in range(self.input_count):
+            self.present[i] = self.inputs[i]
+            if self.present[i] == 0.0:
+                self.inputs[i] = self.slopes[i]
+        self.take_inputs(0.0)
+        self.refresh()
+        for i in range(self.input_count):
+            self.inputs[i] = self.present[i]
+        self.move(0.0)
 
     def move(self, t: float) -> None:
-        """Bring inputs and frame to t s after the communication point."""
+        """Bring what inputs and frame act by to t s after the communication point."""
         self.moved = t
-        self.lead_inputs(t)
+        self.take_inputs(t)
         self.move_frame(t)
         self.refresh_values()
 
-    def lead_inputs(self, t: float) -> None:
-        """Bring inputs to t s after the communication point."""
-        for k in range(self.rising_count):
-            i = self.rising[k]
-            self.inputs[i] = self.first[i] + t * self.slopes[i]
-        self.take_inputs()
-
     def end_rise(self, duration: float) -> None:
         """At the end of a communication step, with the inputs of that time."""
-        self.lead_inputs(duration)
+        self.take_inputs(duration)
         self.advance_frame(duration)
-        self.drop_slopes()
-        self.take_inputs()
-        self.refresh()
+        for i in range(self.input_count):
+            self.inputs[i] += duration * self.slopes[i]
+        self.hold_inputs()
 
-    def take_inputs(self) -> None:
-        """Take over `inputs`, and of `slopes` those of the accelerations that move the frame."""
+    def take_inputs(self, t: float) -> None:
+        """Take over `inputs` as `slopes` have led them in t s: inputs[i] + t * slopes[i].
+
+        And of `slopes` those of the accelerations that move the frame.
+        """
 
     def refresh(self) -> None:
         """Bring what is derived from state, frame and inputs up to date."""
@@ -319,7 +315,7 @@ def check_start(model: Model, parameters: dict[str, float]) -> None:
     try:
         model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
     except ZeroDivisionError:
-        model.take_inputs()
+        model.take_inputs(0.0)
         model.refresh()  # of a kernel that leaves it to the first inputs
         try:
             model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)

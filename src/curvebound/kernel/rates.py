@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final
 
-from .base import MOST_INPUTS, MOST_VARIABLES, Inputs, Model, Values
+from .base import MOST_VARIABLES, Inputs, Model, Values
 
 __all__ = ["OutputRates"]
 
@@ -29,7 +29,7 @@ class OutputRates:
         for group in model.OUTPUTS.values():
             self.groups[self.count] = group
             self.count += 1
-        # the present state, its accelerations, power and inputs, the time (s) to go either way
+        # the present state, its accelerations and power, the time (s) to go either way
         self.q0: float = 0.0
         self.q1: float = 0.0
         self.v0: float = 0.0
@@ -38,7 +38,6 @@ class OutputRates:
         self.a0: float = 0.0
         self.a1: float = 0.0
         self.power: float = 0.0
-        self.inputs: Inputs = [0.0] * MOST_INPUTS
         self.ahead: float = LONGEST
         #: outputs that time before it
         self.before: Values = [0.0] * MOST_VARIABLES
@@ -54,8 +53,6 @@ class OutputRates:
         self.ahead = PART * time_of_change(model, q0, q1, v0, v1, a0, a1)
         self.q0, self.q1, self.v0, self.v1, self.work = q0, q1, v0, v1, model.work
         self.a0, self.a1 = a0, a1
-        for i in range(model.input_count):
-            self.inputs[i] = model.inputs[i]
 
     def find(self, group: int, slopes: Inputs, rates: Values, first: int) -> None:
         """Write the rates of one group's outputs to rates[first + position in OUTPUTS].
@@ -72,8 +69,6 @@ class OutputRates:
             self.move(t)
             model.observe(group, rates, first)
         finally:
-            for i in range(model.input_count):
-                model.inputs[i] = self.inputs[i]
             model.hold_inputs()
             model.undo()
         for i in range(self.count):

@@ -155,15 +155,16 @@ class ModelParts(SizeParts):
         return [*lines, *self._scales(), *self._magnifies()]
 
     def _take_inputs(self) -> list[str]:
-        lines = ["", "    def take_inputs(self) -> None:"]
+        lines = ["", "    def take_inputs(self, t: float) -> None:"]
         of = {s.name: s for s in self.fields}
         of |= {x.acceleration.name: x.acceleration for x in self.shapes}
         for i, name in enumerate(self.m.inputs):
+            now = f"self.inputs[{i}] + t * self.slopes[{i}]"
             if self.m.frame and name in (f"{self.m.frame}.ax", f"{self.m.frame}.ay"):
-                lines.append(f"        self.{name[-2:]} = self.inputs[{i}]")
+                lines.append(f"        self.{name[-2:]} = {now}")
                 lines.append(f"        self.j{name[-1]} = self.slopes[{i}]")
             elif name in of:
-                lines.append(f"        self.{self.names[of[name]]} = self.inputs[{i}]")
+                lines.append(f"        self.{self.names[of[name]]} = {now}")
             lines += [
                 f"        self.{self.names[x]}_jerk = self.slopes[{i}]"
                 for x in self.shapes
