@@ -287,6 +287,45 @@ def test_a_term_that_is_off_once_counts_before_and_after(kernel: str, share: flo
                 assert getattr(model, flag, None) == getattr(other, flag, None)
 
 
+class Pushed(Model):
+    """A mass of 0.5 kg under a force; whether there is one is all derived in refresh()."""
+
+    INPUTS = ("force",)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.force = self.push = 0.0
+
+    def take_inputs(self, t: float) -> None:
+        self.force = self.inputs[0] + t * self.slopes[0]
+
+    def refresh(self) -> None:
+        self.works = self.force != 0.0
+        self.push = 2.0 * self.force
+
+    def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        self.a0 = self.push if self.works else 0.0
+
+    def power(
+        self, t: float, q0: float, q1: float, v0: float, v1: float, a0: float, a1: float
+    ) -> float:
+        return self.force * v0
+
+    def keep(self) -> None:
+        """It is not undone."""
+
+
+@pytest.mark.parametrize("method", [3, 4])
+def test_a_kernel_need_not_tell_values_from_terms(method: int) -> None:
+    for first in (0.0, -3.0, 1.0):
+        model = Pushed()
+        advanced(method, model, [first], [3.0], 1.0, 2)
+        assert model.q0 == pytest.approx(first + 1.0, rel=1e-14, abs=1e-14)
+        assert model.v0 == pytest.approx(2.0 * first + 3.0, rel=1e-14)
+        assert model.work == pytest.approx(0.25 * model.v0**2, rel=1e-13)
+        assert (model.inputs[0], model.slopes[0], model.rises) == (first + 3.0, 0.0, False)
+
+
 def test_inputs_end_where_their_slopes_lead() -> None:
     """To the bit: an FMU of a saved state has them so."""
     for name in MODELS:
