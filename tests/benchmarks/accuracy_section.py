@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from curvebound.study.timing import Probe, interleave, median, probe
+from curvebound.study.timing import Probe, interleave, probe
 
 from .contenders import ANGLE, CARTESIAN, PENDULUM, REFERENCE_OF, Contender, Run
 from .fmu_section import load_ours
@@ -127,8 +127,9 @@ def _measure(
             errors[key] = error if math.isfinite(error) else math.inf
             advance()
     samples = interleave(probes, rounds, advance)
+    # the least: what disturbs a run makes it slower, and an error is read off between two settings
     return [
-        [(s, errors[f"{i} {s!r}"], median(samples[f"{i} {s!r}"])) for s in contender.settings]
+        [(s, errors[f"{i} {s!r}"], min(samples[f"{i} {s!r}"])) for s in contender.settings]
         for i, contender in enumerate(contenders)
     ]
 
@@ -147,14 +148,15 @@ def _targets(system: str, costs: dict[tuple[str, float], float | None]) -> list[
             over((scipy, 1e-8), (ours, 1e-8)),
             at_least=True,
         ),
-        Target(f"adaptive / heyoka at 1e-12: {system}", 1.5, over((ours, 1e-12), (heyoka, 1e-12))),
+        Target(f"adaptive / heyoka at 1e-12: {system}", 1.0, over((ours, 1e-12), (heyoka, 1e-12))),
     ]
 
 
 def accuracy_section(settings: Settings, advance: Callable[[], object], folder: Path) -> Section:
     """Measure all contenders at all their settings; scratch files go to `folder`."""
     section = Section(
-        "accuracy", "Accuracy for cost: CPU us per simulated second to an error at 10 s"
+        "accuracy",
+        "Accuracy for cost: CPU us per simulated second to an error at 10 s, least of the rounds",
     )
     others, section.notes = peers(settings.quick)
     contenders = [*_ours(settings.quick, folder), *others]
