@@ -298,6 +298,43 @@ def test_what_cannot_be_written_out_is_said(tmp_path, monkeypatch, body: str, me
         translate("compiled_of_test", {"written_out_of_test": text}, None, None, None, written_out)
 
 
+def test_functions_of_another_module_are_written_out(tmp_path, monkeypatch) -> None:
+    """With the constants that these know; one's own come before them."""
+    rows = (
+        "from typing import Annotated, Final\n\nSIZE: Final = 2\n"
+        "Row = Annotated[list[float], SIZE]\n"
+        "FACTORS: Final[list[float]] = [3.0, 7.0]\n\n\n"
+        "def fill(row: Row, x: float) -> None:\n    'Fill.'\n"
+        "    for i in range(SIZE):\n        row[i] = part(i, x)\n\n\n"
+        "def part(i: int, x: float) -> float:\n    'One.'\n    return FACTORS[i] * x\n\n\n"
+        "def end(row: Row) -> float:\n    'Its own.'\n    return row[0]\n"
+    )
+    use = (
+        "from .rows_of_test import SIZE, Row, fill\n\n\n"
+        "def f(x: float) -> float:\n    row: Row = [0.0] * SIZE\n    fill(row, x)\n"
+        "    return end(row)\n\n\n"
+        "def end(row: Row) -> float:\n    'The last.'\n    return row[1]\n"
+    )
+    package = tmp_path / "written_of_test"
+    package.mkdir()
+    texts = {"rows_of_test": rows, "use_of_test": use}
+    (package / "__init__.py").write_text("")
+    for name, text in texts.items():
+        (package / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    sources = {f"written_of_test.{name}": text for name, text in texts.items()}
+    written_out = {
+        "written_of_test.rows_of_test": ["fill", "part", "end"],
+        "written_of_test.use_of_test": ["end"],
+    }
+    made = translate("compiled_of_test", sources, None, None, None, written_out).pyx
+    assert "row_0 = 3.0 * x" in made
+    assert "row_1 = 7.0 * x" in made
+    assert "return row_1" in made
+    assert "fill" not in made
+    assert "part" not in made
+
+
 def test_a_variable_that_lacks_its_type_is_named(tmp_path, monkeypatch) -> None:
     text = (
         "class A:\n    def __init__(self) -> None:\n        self.x: float = 1.0\n\n\n"
