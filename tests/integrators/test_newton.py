@@ -14,7 +14,7 @@ from curvebound.kernel import newton
 from curvebound.kernel.adaptive import Adaptive
 from curvebound.kernel.base import Model, acceleration_of
 from curvebound.kernel.course import Course
-from curvebound.kernel.lobatto_tables import BY_ROWS, NODES, SQUARE, STAGES
+from curvebound.kernel.lobatto_tables import BY_ROWS, NODES, SQUARE, STAGES, WEIGHTS
 from curvebound.kernel.method import DONE
 from curvebound.kernel.methods import create
 from curvebound.kernel.newton import ANOTHER, FIRST, Newton
@@ -232,3 +232,41 @@ def test_derivatives_come_with_the_accelerations() -> None:
         model.jacobian(0.0, q, 0.0, v, 0.0)
         assert (model.a0, model.a1) == expected
     assert newton.FIRST < newton.LATE < STAGES
+
+
+def test_corrections_that_do_not_converge_leave_what_a_sweep_does() -> None:
+    """Damping so strong that they do not, once an earlier correction has gained much."""
+
+    class Heavy(Pendulum):
+        def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+            self.a0, self.a1 = -9.81 * math.sin(q0) - 1000.0 * v0, 0.0
+
+        def jacobian(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+            self.acceleration(t, q0, q1, v0, v1)
+            set_jacobian(self, (-9.81 * math.cos(q0), 0.0, 0.0, 0.0, -1000.0, 0.0, 0.0, 0.0))
+
+    for before, h in ((0.003, 0.0035), (0.0033, 0.0032), (0.002, 0.004)):
+        model = Heavy()
+        model.v0 = 2.0
+        method, error = solved(model, before, h, 1e-6)
+        found = np.array(method.a)
+        off = np.abs(found - stages(model, h))[1:]
+        rate = abs(model.v0) + h * np.abs(found).max()
+        assert not error <= 1e-6 or h * (off @ np.array(WEIGHTS[1:])) < 1e-6 * rate
+
+
+def test_another_coordinate_that_moves_only_early_in_a_step() -> None:
+    """Where the stages that are extrapolated at first alone see it."""
+
+    class Passing(Model):
+        def __init__(self) -> None:
+            super().__init__()
+            self.v0 = 1.0
+
+        def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+            self.a0, self.a1 = 0.0, 1.0 if 0.02 < q0 < 0.25 else 0.0
+
+    method, model, course, rounding = Newton(), Passing(), Course(), Rounding()
+    course.begin(model, rounding, 0.0, False, 0.01)
+    error = method.solve(model, rounding, course, [0.0] * 8, 1.0, 0.0, 1.0, 0.0, 1e-6)
+    assert error == ANOTHER

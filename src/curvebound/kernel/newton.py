@@ -161,6 +161,9 @@ class Newton:
                     course.contraction = contraction
                     if converges:
                         contraction = CURVATURE * change
+                if not converges:
+                    # of a sweep alone, however much a correction before it has gained
+                    contraction = max(contraction, course.contraction)
             if self.other != 0.0:
                 return ANOTHER
             before = change
@@ -176,6 +179,8 @@ class Newton:
                     # there is no other sweep that would
                     follow(rates, h, a, x, u, 1, FIRST)
                     evaluate(self, model, t, h, x, q1, u, v1, a, 1, FIRST)
+                    if self.other != 0.0:
+                        return ANOTHER
             # known well enough after two sweeps to spare the further ones of too large a step
             error = course.scale0 * (h * tail(course.noise0, *a))
             if not error <= tolerance and not course.known:
