@@ -325,6 +325,26 @@ def test_a_state_brings_back_all_of_it() -> None:
     assert made.get_state() == fresh
 
 
+@pytest.mark.parametrize(
+    ("name", "parameter"),
+    [("BeadOnWire", "wire.radius"), ("ParabolaPendulum", "pendulum.length"), ("ParabolaDrive", "")],
+)
+def test_a_state_without_a_system_can_be_saved_again(name: str, parameter: str) -> None:
+    """Of parameters that were set while initializing and make no start, in a new instance."""
+    one, other = engine(name), engine(name)
+    assert one.enter_initialization()
+    parameter = parameter or next(
+        v.name for v in find(name).fmu().variables if v.minimum == 0.0 and not v.tunable
+    )
+    one.set_real([one.table.by_name[parameter]], [-1.0])
+    other.set_state(one.get_state())
+    again = other.get_state()
+    other.set_state(again)
+    assert other.get_state() == again
+    assert not other.exit_initialization()
+    assert f"{parameter} = -1.0" in said(other)
+
+
 @pytest.mark.parametrize(("value", "shown"), [(-math.inf, -OVERFLOW), (math.nan, OVERFLOW)])
 def test_an_output_that_fits_no_float_is_said_and_stays_a_number(
     monkeypatch: pytest.MonkeyPatch, value: float, shown: float

@@ -67,6 +67,8 @@ class Engine:
         self.pending: bool = True
         #: whether parameters have changed since the system was started from them
         self.stale: bool = True
+        #: whether there is a system, of these parameters
+        self.started: bool = False
         #: the tolerance of fmi2SetupExperiment, or 0 when it is not defined
         self.tolerance: float = 0.0
         self.tolerance_defined: bool = False
@@ -211,6 +213,7 @@ class Engine:
 
         `restoring` a state, tunable parameters are left to the check before the next step.
         """
+        self.started = False
         for vr in range(self.table.first_input):
             message = "" if restoring and self.table.tunable[vr] else self.outside_domain(vr)
             if message:
@@ -232,6 +235,7 @@ class Engine:
             )
         if message:
             return message
+        self.started = True
         self.stale = False
         self.pending = True
         self.fresh = 0
@@ -457,7 +461,7 @@ class Engine:
         state = [head, [self.reals[vr] for vr in range(table.first_output)]]
         state.append([float(i) for i in self.integers[: table.first_input]])
         state.append(self.slopes.get_state())
-        if self.mode != INSTANTIATED:
+        if self.mode != INSTANTIATED and self.started:
             state.extend(self.system_state())
         return state
 
@@ -485,7 +489,7 @@ class Engine:
         self.slopes.set_state(state[3])
         # Parameters set during initialization may have made a start impossible: then there is no
         # system to restore either, and the end of initialization will say so.
-        if mode != INSTANTIATED and (same or not self.start(restoring=True)):
+        if mode != INSTANTIATED and (same or not self.start(restoring=True)) and len(state) > 4:
             self.restore_system(state[4:])
         self.stale = head[4] != 0.0
         self.pending = True
