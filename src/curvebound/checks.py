@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from .checking.changes import wrong_changes
 from .checking.derivatives import wrong_derivatives
-from .checking.points import anywhere, models, numbers_of, pushes
+from .checking.points import model_anywhere, models, numbers_of, pushes
 from .checking.rates import wrong_rates
 from .cosim import Scene
 from .cosim.fmu import Value, read_fmu
@@ -86,10 +86,7 @@ def kernel_follows_mechanics(folder: Path | str) -> None:
         linear = derived.has_linear and numbers.get("model.fidelity") == 1
         accelerations = derived.function("linear_accelerations" if linear else "accelerations")
         for _ in range(_STATES):
-            values = anywhere(fmu, rng)
-            model = system.module("kernel").model(numbers)
-            model.start(values, numbers)
-            model.set_inputs([values[name] for name in model.INPUTS], 0)
+            model, values = model_anywhere(fmu, system.module("kernel").model, numbers, rng)
             symbols = derived.at(extended, {n: extended.number(x) for n, x in values.items()})
             model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
             got = (model.a0, model.a1)[: len(derived.coordinates)]
@@ -104,20 +101,12 @@ def kernel_follows_mechanics(folder: Path | str) -> None:
 
 def derivatives_follow_accelerations(folder: Path | str) -> None:
     """What the kernel's jacobian() sets are its accelerations and their derivatives, to 1e-6."""
-    fmu = _of(folder).fmu()
-    rng = random.Random(1)
-    for label, choices in models(fmu):
-        wrong = wrong_derivatives(fmu, numbers_of(fmu, choices), rng, _STATES)
-        assert not wrong, f"{label}{wrong}"
+    _nothing_wrong(folder, wrong_derivatives)
 
 
 def changes_follow_outputs(folder: Path | str) -> None:
     """What fmi2GetDirectionalDerivative gives are the slopes of the outputs over the inputs."""
-    fmu = _of(folder).fmu()
-    rng = random.Random(1)
-    for label, choices in models(fmu):
-        wrong = wrong_changes(fmu, numbers_of(fmu, choices), rng, _STATES)
-        assert not wrong, f"{label}{wrong}"
+    _nothing_wrong(folder, wrong_changes)
 
 
 def rates_follow_outputs(folder: Path | str) -> None:
@@ -125,11 +114,7 @@ def rates_follow_outputs(folder: Path | str) -> None:
 
     bead.vx of bead.x, ball.angular_velocity of ball.angle, bead.u_rate of bead.u.
     """
-    fmu = _of(folder).fmu()
-    rng = random.Random(1)
-    for label, choices in models(fmu):
-        wrong = wrong_rates(fmu, numbers_of(fmu, choices), rng, _STATES)
-        assert not wrong, f"{label}{wrong}"
+    _nothing_wrong(folder, wrong_rates)
 
 
 def keeps_the_balance_of_energy(folder: Path | str) -> None:
@@ -258,6 +243,17 @@ CHECKS: tuple[Callable[[Path | str], None], ...] = (
     is_right_at_random_points,
     runs_alike_compiled_and_interpreted,
 )
+
+
+def _nothing_wrong(
+    folder: Path | str, wrong: Callable[[Fmu, dict[str, int], random.Random, int], str]
+) -> None:
+    """Each model of a system at random points; wrong: says what is, or ''."""
+    fmu = _of(folder).fmu()
+    rng = random.Random(1)
+    for label, choices in models(fmu):
+        found = wrong(fmu, numbers_of(fmu, choices), rng, _STATES)
+        assert not found, f"{label}{found}"
 
 
 def _of(folder: Path | str) -> Folder:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ..fmi.declaration import Fmu
 from ..fmi.plant import Plant
 from ..kernel.base import Model, acceleration_of, jacobian_of
-from .points import anywhere
+from .points import model_anywhere
 
 __all__ = ["wrong_derivatives"]
 
@@ -26,10 +26,7 @@ def wrong_derivatives(fmu: Fmu, numbers: dict[str, int], rng: random.Random, cou
     if not isinstance(fmu.system, Plant):
         return ""
     for _ in range(count):
-        values = anywhere(fmu, rng)
-        model = fmu.system.factory(numbers)
-        model.start(values, numbers)
-        model.set_inputs([values[name] for name in model.INPUTS], 0)
+        model, values = model_anywhere(fmu, fmu.system.factory, numbers, rng)
         state = [getattr(model, name) for name in _NAMES]
         wrong = _wrong(model, state, [model.q0_scale, model.q1_scale] * 2)
         if wrong:

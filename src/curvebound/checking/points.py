@@ -9,8 +9,9 @@ from collections.abc import Callable, Iterable, Mapping
 
 from ..cosim.fmu import Value
 from ..fmi.declaration import CHOICE, COUNT_PARAMETER, INPUT, PARAMETER, Fmu
+from ..kernel.base import Model
 
-__all__ = ["anywhere", "models", "numbers_of", "pushes"]
+__all__ = ["anywhere", "model_anywhere", "models", "numbers_of", "pushes"]
 
 #: amplitude of an input that is pushed, by unit
 _PUSH = {"m/s2": 1.0, "N": 0.5}
@@ -37,6 +38,20 @@ def anywhere(fmu: Fmu, rng: random.Random) -> dict[str, float]:
         elif v.kind == PARAMETER:
             values[v.name] = v.start * math.exp(rng.gauss(0.0, 1.0))
     return values
+
+
+def model_anywhere(
+    fmu: Fmu,
+    factory: Callable[[dict[str, int]], Model],
+    numbers: dict[str, int],
+    rng: random.Random,
+) -> tuple[Model, dict[str, float]]:
+    """A model at such a point, started and with its inputs, and the values there."""
+    values = anywhere(fmu, rng)
+    model = factory(numbers)
+    model.start(values, numbers)
+    model.set_inputs([values[name] for name in model.INPUTS], 0)
+    return model, values
 
 
 def numbers_of(fmu: Fmu, choices: Mapping[str, Value]) -> dict[str, int]:

@@ -10,7 +10,7 @@ from ..fmi.slave import table_of
 from ..fmi.table import NO_GROUP
 from ..kernel.base import MOST_INPUTS
 from ..kernel.rates import OutputRates
-from .points import anywhere
+from .points import model_anywhere
 
 __all__ = ["wrong_rates"]
 
@@ -25,10 +25,7 @@ def wrong_rates(fmu: Fmu, numbers: dict[str, int], rng: random.Random, count: in
     rates = table_of(fmu).rates
     names = table_of(fmu).names
     for _ in range(count):
-        values = anywhere(fmu, rng)
-        model = fmu.system.factory(numbers)
-        model.start(values, numbers)
-        model.set_inputs([values[name] for name in model.INPUTS], 0)
+        model, values = model_anywhere(fmu, fmu.system.factory, numbers, rng)
         model.keep()
         model.advance_frame(1.0)  # which then moves
         motion = OutputRates(model)

@@ -9,8 +9,8 @@ from .base import Model
 from .rounding import NEGLIGIBLE, Rounding
 
 __all__ = [
-    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "PRESUMED", "ROUNDING", "SLOWEST"),
-    *("Course", "scale"),
+    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "MOST_SWEEPS", "PRESUMED", "ROUNDING"),
+    *("SLOWEST", "Course", "scale"),
 ]
 
 # what comes out of a sweep
@@ -21,6 +21,8 @@ DIVERGES: Final = 2
 #: part of the tolerance to which sweeps converge: what they leave adds up from step to step, while
 #: errors of the symmetric method cancel where the motion returns
 PART: Final = 0.5
+#: most sweeps in a step, and most of corrections in one of these
+MOST_SWEEPS: Final = 12
 #: the slowest convergence at which a step is not better halved
 SLOWEST: Final = 0.5
 #: the convergence that is counted on at most, and that after one sweep, when it is the last step's

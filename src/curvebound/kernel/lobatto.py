@@ -19,19 +19,15 @@ import math
 from typing import Final, final
 
 from .base import Model
-from .course import CONVERGED, DIVERGES, GOES_ON, SLOWEST, Course, scale
+from .course import CONVERGED, DIVERGES, GOES_ON, MOST_SWEEPS, SLOWEST, Course, scale
 from .lobatto_tables import NODES, STAGES, WEIGHTS, Stages
 from .newton import ANOTHER, Newton
 from .polynomial import FARTHEST, extrapolated, tail
 from .rounding import Rounding
-from .stages import LAST, copy, fill, follow
+from .stages import LAST, LATE, copy, fill, follow
 
 __all__ = ["Collocation"]
 
-#: the first stage of the late half
-LATE: Final = 5
-#: most sweeps in a step
-MOST_SWEEPS: Final = 12
 #: part of the tolerance to which an error has to come up for rounding to be forgotten
 BELOW: Final = 0.01
 #: what lies above, or is no number, has left the finite numbers; cheaper than math.isfinite here

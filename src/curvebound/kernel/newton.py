@@ -18,29 +18,26 @@ from .course import (
     DIVERGES,
     FASTEST,
     GOES_ON,
+    MOST_SWEEPS,
     PRESUMED,
     ROUNDING,
     SLOWEST,
     Course,
     scale,
-)  # fmt: skip
+)
 from .lobatto_tables import NODES, STAGES, WEIGHTS, A, R, Stages
 from .polynomial import FARTHEST, extrapolated, tail
 from .rounding import Rounding
-from .stages import LAST, copy, fill, follow, weighted
+from .stages import LAST, LATE, copy, fill, follow, weighted
 
 __all__ = ["ANOTHER", "Newton"]
 
 #: for an error: another coordinate moves
 ANOTHER: Final = -1.0
-#: the first stages of halves of a sweep
-LATE: Final = 5
 #: the first stage that the first sweep evaluates in a step that is no longer than this, in units of
 #: the last: those before are extrapolated well enough
 FIRST: Final = 3
 NEAR: Final = 1.6
-#: most sweeps in a step, and most for the corrections of one
-MOST_SWEEPS: Final = 12
 #: part of the tolerance to which sweeps converge: less costs next to nothing here
 PART: Final = 0.1
 #: what corrections leave of a change, relative to its square: 0.6 at most in 99 of 100 steps

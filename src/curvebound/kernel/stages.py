@@ -9,10 +9,11 @@ from typing import Final
 
 from .lobatto_tables import NODES, STAGES, A, R, Stages, Table
 
-__all__ = ["copy", "fill", "follow", "weighted"]
+__all__ = ["LAST", "LATE", "copy", "fill", "follow", "weighted"]
 
-#: number of the last stage
+#: number of the last stage, and of the first of the late half
 LAST: Final = STAGES - 1
+LATE: Final = 5
 
 
 def fill(k: Stages, value: float) -> None:
