@@ -64,6 +64,9 @@ class ParabolaNonlinear(ParabolaBase):
         return max(1.0, self.m2 / self.m1) * max(1.0, slope)
 
     def acceleration(self, t: float, q0: float, q1: float, v0: float, v1: float) -> None:
+        # first: what is known before has to be kept over the calls
+        s = math.sin(q1)
+        c = math.cos(q1)
         a2 = 2.0 * self.a
         g = self.lift
         if self.reshapes:
@@ -71,8 +74,6 @@ class ParabolaNonlinear(ParabolaBase):
             rate = self.a_rate + t * acceleration
             a2 += t * (self.a_rate + rate)
             g += q0 * (acceleration * q0 + 4.0 * rate * v0)
-        s = math.sin(q1)
-        c = math.cos(q1)
         m1 = self.m1
         m2 = self.m2
         q = a2 * q0
