@@ -7,6 +7,7 @@ import re
 import subprocess
 import sysconfig
 import tempfile
+from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -92,8 +93,8 @@ def write_c(unit: Unit, folder: Path, core: Unit) -> Path:
     return made
 
 
-def compile_c(source: Path, target: str, level: str = "-O2") -> Path:
-    """Compile a C source, optimized to a level, into the extension module for `target`, beside it.
+def compile_c(source: Path, target: str, optimization: Sequence[str] = ("-O2",)) -> Path:
+    """Compile a C source, optimized so, into the extension module for `target`, beside it.
 
     Raises CurveboundError where the compiler fails, or there is none.
     """
@@ -109,7 +110,7 @@ def compile_c(source: Path, target: str, level: str = "-O2") -> Path:
             libraries = [str(path) for path in import_libraries(include, Path(place))]
         done = subprocess.run(
             [
-                *(*command, level, *FLAGS, f"-I{include}", source.name, "-o", result.name),
+                *(*command, *optimization, *FLAGS, f"-I{include}", source.name, "-o", result.name),
                 *(*libraries, *options_for(command, _FLAGS_FOR[target])),
             ],
             cwd=source.parent,
