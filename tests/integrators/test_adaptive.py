@@ -7,6 +7,7 @@ import math
 import random
 from typing import Any, cast
 
+import numpy as np
 import pytest
 from small_models import Oscillator, Pendulum, Sliding, march
 
@@ -36,13 +37,13 @@ def test_sweeps_that_shrink_slowly_have_converged_where_rounding_is_all(
     h, nothing = 0.125, cast(Any, None)
     change = times * (h * 2.0 + h * 0.5 * other)
     course.change = change / 0.75
-    assert course.outcome(nothing, nothing, 0.0, h, 2, change, 0.0, 1e-9) == outcome
+    assert course.outcome(nothing, nothing, 0.0, h, 2, change, 1e-9) == outcome
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_error_keeps_to_the_tolerance_at_bounded_work(system: type[Oscillator]) -> None:
     """Ten seconds are four to six oscillations; DOP853 needs 1000, 1800, 3000 and 4400 here."""
-    for tolerance, most in ((1e-6, 1300), (1e-8, 1750), (1e-10, 2500), (1e-12, 3600)):
+    for tolerance, most in ((1e-6, 950), (1e-8, 1300), (1e-10, 1850), (1e-12, 2600)):
         model, method = system(), create(4)
         march(method, model, tolerance=tolerance)
         assert model.error(10.0) < 10 * tolerance + 1e-13
@@ -65,7 +66,8 @@ def test_error_follows_the_tolerance(system: type[Oscillator], count: int) -> No
         means.append(sum(logs) / len(logs))
     for coarse, fine in itertools.pairwise(means):
         assert 0.4 < coarse - fine < 2.5
-    assert 0.9 < (means[0] - means[5]) / 5 < 1.6
+    slope = np.polynomial.Polynomial.fit(range(4, 12), means, 1).convert().coef[1]
+    assert 0.9 < -slope < 1.6
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

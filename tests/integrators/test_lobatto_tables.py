@@ -6,6 +6,8 @@ theorem II.7.4).
 
 from __future__ import annotations
 
+import itertools
+import math
 import random
 
 import numpy as np
@@ -72,6 +74,41 @@ def test_extrapolation_is_exact_for_degree_7() -> None:
         assert np.array(new) == pytest.approx(truth, rel=1e-9)
         shifted = polynomial.extrapolated(old.tolist(), float(old[7]) + 3.0, 2 * ratio)
         assert np.array(shifted) == pytest.approx(truth + 3, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("weights", "first", "count"),
+    [
+        (lobatto_tables.ONE, 1, 1),
+        (lobatto_tables.TWO, 1, 2),
+        (lobatto_tables.FOUR, 1, 4),
+        (lobatto_tables.MIDDLE, 3, 2),
+    ],
+)
+def test_an_extended_guess_is_exact_for_a_degree_more_with_each_value(
+    weights: list[float], first: int, count: int
+) -> None:
+    rng = random.Random(1)
+    for ratio, degree in itertools.product((0.3, 1.0, 1.5), (7, 7 + count, 8 + count)):
+        c = [rng.uniform(-1, 1) for _ in range(degree + 1)]
+        old = np.polyval(c, NODES)
+        truth = np.polyval(c, 1 + ratio * NODES)
+        guess = [truth[0], *polynomial.extrapolated(old.tolist(), float(old[7]), 2 * ratio)]
+        nodal, missed = [0.0] * 8, [0.0] * 8
+        polynomial.span(2 * ratio, nodal)
+        k = truth.copy()
+        k[first + count :] = math.nan
+        polynomial.miss(guess, nodal, k, missed, first, first + count)
+        polynomial.extend(guess, nodal, missed, weights, first, count, k, first + count, 8)
+        assert (k == pytest.approx(truth, rel=1e-8)) == (degree <= 7 + count)
+
+
+def test_the_nodal_polynomial_is_zero_at_the_points_of_the_step_before() -> None:
+    nodal = [0.0] * 8
+    polynomial.span(1.0, nodal)
+    x = 1.0 + NODES[1:]
+    points = 2.0 * NODES - 1.0
+    assert np.array(nodal[1:]) == pytest.approx([np.prod(at - points) for at in x], rel=1e-13)
 
 
 def test_tail_sees_the_two_highest_legendre_coefficients() -> None:

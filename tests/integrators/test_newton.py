@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable
 
@@ -19,6 +18,7 @@ from curvebound.kernel.method import DONE
 from curvebound.kernel.methods import create
 from curvebound.kernel.newton import ANOTHER, FIRST, Newton
 from curvebound.kernel.rounding import Rounding
+from curvebound.kernel.stages import LATE
 
 A = np.reshape(BY_ROWS, (8, 8))
 R = np.reshape(SQUARE, (8, 8))
@@ -96,7 +96,7 @@ def test_the_accelerations_are_those_of_the_collocation(
 @pytest.mark.parametrize(
     ("h", "asked"),
     [
-        pytest.param(0.12, STAGES - FIRST, id="early stages are extrapolated"),
+        pytest.param(0.12, LATE - FIRST, id="the guess is extended by the middle stages"),
         pytest.param(0.17, STAGES - 1, id="not for a step that is much longer"),
     ],
 )
@@ -213,14 +213,19 @@ def test_work_of_one_coordinate() -> None:
         assert method.evaluations < most
 
 
-def test_errors_of_many_starts_keep_to_the_tolerance() -> None:
-    """From rest at many angles, against the same at a tolerance of 1e-14."""
-    for angle, tolerance in itertools.product((0.3, 1.0, 1.7, 2.4, 2.9), (1e-5, 1e-8, 1e-11)):
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-8, 1e-11])
+def test_errors_of_many_starts_keep_to_the_tolerance(tolerance: float) -> None:
+    """From rest at many angles; those near the upper rest magnify what errors they have."""
+    off = []
+    for angle in np.linspace(0.3, 2.95, 54):
         model, fine = Pendulum(), Pendulum()
-        model.q0 = fine.q0 = angle
+        model.q0 = fine.q0 = float(angle)
         march(create(4), model, tolerance=tolerance)
         march(create(4), fine, tolerance=1e-14)
-        assert model.q0 == pytest.approx(fine.q0, abs=30 * tolerance)
+        off.append(abs(model.q0 - fine.q0) / tolerance)
+    assert max(off[:43]) < 10.0  # up to 2.4
+    assert np.quantile(off, 0.9) < 3.0
+    assert max(off) < 60.0
 
 
 def test_derivatives_come_with_the_accelerations() -> None:

@@ -12,6 +12,20 @@ from campaign_motions import Motion
 pytest.importorskip("heyoka")
 
 
+@pytest.mark.parametrize(
+    ("name", "number", "hints"),
+    [
+        pytest.param("pendulum", 230, True, id="a guess told the size of the rates"),
+        pytest.param("pendulum", 552, False, id="likewise, without hints"),
+        pytest.param("bead", 80, True, id="sweeps that gain little were left too early"),
+        pytest.param("bead", 319, True, id="likewise, at steps ten times as long"),
+    ],
+)
+def test_motions_that_were_once_wrong(name: str, number: int, hints: bool) -> None:
+    (outcome,) = campaign(name, 1, 1, number, (hints,))
+    assert outcome.verdict == "right"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PLANTS)
 def test_no_motion_is_wrong_in_silence(name: str) -> None:

@@ -79,14 +79,17 @@ REPEATED = {"curvebound.kernel.rk4": ("steps",)}
 #: loops over the stages of a method
 WRITTEN_OUT = {
     "curvebound.kernel.implicit": ("ahead", "evaluate", "find_powers", "find_times", "place"),
-    "curvebound.kernel.polynomial": ("evaluate_at", "find_coefficients"),
+    "curvebound.kernel.polynomial": (
+        *("evaluate_at", "extend", "find_coefficients", "miss", "span"),
+    ),
     "curvebound.kernel.lobatto": (
-        *("estimated", "evaluate", "find_powers", "larger", "moves", "place", "quadrature"),
+        *("estimated", "evaluate", "find_powers", "larger", "moves", "place", "proceed"),
+        "quadrature",
     ),
     "curvebound.kernel.newton": (
-        *("add", "apart", "correct", "evaluate", "linearise", "shift", "subtract", "total"),
+        *("add", "correct", "evaluate", "linearise", "shift", "subtract", "total"),
     ),
-    "curvebound.kernel.stages": ("copy", "fill", "follow", "weighted"),
+    "curvebound.kernel.stages": ("apart", "copy", "fill", "follow", "weighted"),
 }
 
 

@@ -9,8 +9,8 @@ from .base import Model
 from .rounding import NEGLIGIBLE, Rounding
 
 __all__ = [
-    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "MOST_SWEEPS", "PRESUMED", "ROUNDING"),
-    *("SLOWEST", "Course", "scale"),
+    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "MOST_SWEEPS", "PART"),
+    *("PRESUMED", "ROUNDING", "SLOWEST", "Course", "scale"),
 ]
 
 # what comes out of a sweep
@@ -20,12 +20,12 @@ DIVERGES: Final = 2
 
 #: part of the tolerance to which sweeps converge: what they leave adds up from step to step, while
 #: errors of the symmetric method cancel where the motion returns
-PART: Final = 0.5
+PART: Final = 0.02
 #: most sweeps in a step, and most of corrections in one of these
 MOST_SWEEPS: Final = 12
 #: the slowest convergence at which a step is not better halved
 SLOWEST: Final = 0.5
-#: the convergence that is counted on at most, and that after one sweep, when it is the last step's
+#: the convergence that is counted on at most, and that as long as it is the last step's
 FASTEST: Final = 0.003
 PRESUMED: Final = 0.1
 #: changes below this, relative, are rounding
@@ -48,7 +48,7 @@ class Course:
         self.known: bool = False
         self.noise0: float = 0.0
         self.noise1: float = 0.0
-        #: how much the last sweep moved the end, and the factor by which it did less than before
+        #: how much the last sweep changed, and the factor by which it did less than the one before
         self.change: float = 0.0
         self.contraction: float = SLOWEST
 
@@ -83,14 +83,10 @@ class Course:
         h: float,
         sweep: int,
         change: float,
-        still: float,
         tolerance: float,
     ) -> int:
-        """What comes out of a sweep that moved the end by `change`: GOES_ON or another.
-
-        still: what the next will move it by at least, if that is known.
-        """
-        left = max(change * max(self.contraction, PRESUMED), still)
+        """What comes out of a sweep that made that change: GOES_ON or another."""
+        left = change * max(self.contraction, PRESUMED)
         if self.change > 0.0:
             self.contraction = max(change / self.change, FASTEST)
             left = change * self.contraction

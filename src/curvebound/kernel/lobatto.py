@@ -6,9 +6,10 @@ has the stages
 
     V_i = v + h sum_j A_ij K_j,    Q_i = q + c_i h v + h^2 sum_j R_ij K_j,    R = A A
 
-The first guess of the K_j extrapolates the polynomial through those of the last step. Each sweep
-evaluates them anew, the early half with the old ones, the late half with the new early ones, and
-gains two to three digits. The evaluations of a half do not wait for each other, and the sums are
+The first guess of the K_j extrapolates the polynomial through those of the last step. The first
+sweep evaluates them one after the other, and each extends the guess of those that follow. Further
+ones evaluate them anew, the early half with the old ones, the late half with the new early ones,
+and gain two to three digits. The evaluations of a half do not wait for each other, and the sums are
 added in pairs: the processor overlaps them. Where one coordinate moves alone, newton.Newton finds
 them.
 """
@@ -19,12 +20,21 @@ import math
 from typing import Final, final
 
 from .base import Model
-from .course import CONVERGED, DIVERGES, GOES_ON, MOST_SWEEPS, SLOWEST, Course, scale
-from .lobatto_tables import NODES, STAGES, WEIGHTS, Stages
+from .course import (
+    CONVERGED,
+    DIVERGES,
+    GOES_ON,
+    MOST_SWEEPS,
+    PART,
+    SLOWEST,
+    Course,
+    scale,
+)
+from .lobatto_tables import FOUR, NODES, ONE, STAGES, TWO, WEIGHTS, Stages
 from .newton import ANOTHER, Newton
-from .polynomial import FARTHEST, extrapolated, tail
+from .polynomial import FARTHEST, NEAR, NEAREST, extend, extrapolated, miss, span, tail
 from .rounding import Rounding
-from .stages import LAST, LATE, copy, fill, follow
+from .stages import LAST, LATE, apart, copy, fill, follow
 
 __all__ = ["Collocation"]
 
@@ -115,6 +125,12 @@ class Collocation:
         y: Stages = [0.0] * STAGES
         u: Stages = [0.0] * STAGES
         w: Stages = [0.0] * STAGES
+        # accelerations before a sweep, the nodal polynomial, and what the guess has missed
+        f: Stages = [0.0] * STAGES
+        g: Stages = [0.0] * STAGES
+        nodal: Stages = [0.0] * STAGES
+        c: Stages = [0.0] * STAGES
+        d: Stages = [0.0] * STAGES
         # a coordinate that rests is left out until a sweep finds an acceleration of it
         two: bool = q1 != 0.0 or v1 != 0.0 or b0 != 0.0
         # nor are rates at the stages needed that no acceleration depends on
@@ -138,41 +154,60 @@ class Collocation:
             else:
                 copy(newton.a, a)
         if error == ANOTHER:
+            extends: bool = False
+            near: bool = NEAREST * self.h <= h <= NEAR * self.h
             if 0.0 < h <= FARTHEST * self.h:
                 r = 2.0 * h / self.h
                 a[1:8] = extrapolated(self.a, a0, r)
                 if two:
                     b[1:8] = extrapolated(self.b, b0, r)
+                span(r, nodal)
             else:
                 fill(a, a0)
-            place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
             for sweep in range(MOST_SWEEPS):
-                u7, w7 = u[7], w[7]
-                place(two, rates, h, a, x, u, b, y, w, 1, LATE)
-                evaluate(model, t, h, x, y, u, w, a, b, 1, LATE)
+                copy(a, f)
+                copy(b, g)
+                if sweep == 0 and near:
+                    place(two, rates, h, a, x, u, b, y, w, 1, 2)
+                    evaluate(model, t, h, x, y, u, w, a, b, 1, 2)
+                    miss(f, nodal, a, c, 1, 2)
+                    miss(g, nodal, b, d, 1, 2)
+                    # what the guess misses at the end by that; less is disturbed by rounding only
+                    off0 = math.fabs(c[1] * nodal[7]) * scale(v0, v0, h, a0, a[1], rounding.size0)
+                    off1 = math.fabs(d[1] * nodal[7]) * scale(v1, v1, h, b0, b[1], rounding.size1)
+                    extends = h * max(off0, off1) > PART * tolerance
+                    if extends:
+                        proceed(two, f, g, nodal, c, d, ONE, 1, 1, a, b, 2)
+                    place(two, rates, h, a, x, u, b, y, w, 2, 3)
+                    evaluate(model, t, h, x, y, u, w, a, b, 2, 3)
+                    if extends:
+                        proceed(two, f, g, nodal, c, d, TWO, 2, 2, a, b, 3)
+                    place(two, rates, h, a, x, u, b, y, w, 3, LATE)
+                    evaluate(model, t, h, x, y, u, w, a, b, 3, LATE)
+                    if extends:
+                        proceed(two, f, g, nodal, c, d, FOUR, 4, 3, a, b, LATE)
+                else:
+                    place(two, rates, h, a, x, u, b, y, w, 1, LATE)
+                    evaluate(model, t, h, x, y, u, w, a, b, 1, LATE)
                 place(two, rates, h, a, x, u, b, y, w, LATE, LAST)
                 place(two, True, h, a, x, u, b, y, w, LAST, STAGES)
-                a5, a6, b5, b6 = a[5], a[6], b[5], b[6]
                 evaluate(model, t, h, x, y, u, w, a, b, LATE, STAGES)
                 self.sweeps += 1
                 if not two:
                     two = moves(b)
                     if two:
                         continue
+                if sweep == 0 and extends:
+                    # the guess tells neither sizes nor how sweeps converge
+                    continue
                 if course.scale0 == 0.0:
                     course.scale0 = scale(v0, u[7], h, a0, a[7], rounding.size0)
                     course.scale1 = scale(v1, w[7], h, b0, b[7], rounding.size1)
-                change = larger(course, u[7] - u7, w[7] - w7)
-                still = 0.0
-                if sweep == 0:
-                    # the end may be hit by chance: what the next sweep would change it by at most
-                    still0 = WEIGHTS[5] * math.fabs(a[5] - a5) + WEIGHTS[6] * math.fabs(a[6] - a6)
-                    still1 = WEIGHTS[5] * math.fabs(b[5] - b5) + WEIGHTS[6] * math.fabs(b[6] - b6)
-                    still = h * larger(course, still0, still1)
-                outcome = course.outcome(model, rounding, t, h, sweep, change, still, tolerance)
+                change = h * larger(course, apart(a, f), apart(b, g) if two else 0.0)
+                outcome = course.outcome(model, rounding, t, h, sweep, change, tolerance)
                 if outcome == DIVERGES:
                     return math.inf
-                if outcome == GOES_ON and sweep != 1:
+                if outcome == GOES_ON and (extends or sweep != 1):
                     continue
                 # known well enough after two sweeps to spare the further ones of too large a step
                 error = estimated(course, two, h, a, b)
@@ -218,10 +253,20 @@ def place(
     follow(rates, h, a, x, u, start, stop)
     if two:
         follow(rates, h, b, y, w, start, stop)
-# fmt: on
 
 
-# fmt: off
+def proceed(
+    two: bool, f: Stages, g: Stages, nodal: Stages, c: Stages, d: Stages, weights: list[float],
+    count: int, start: int, a: Stages, b: Stages, stop: int,
+) -> None:
+    """Extend the guesses f and g from stage `stop` on; those from `start` to it are new."""
+    miss(f, nodal, a, c, start, stop)
+    extend(f, nodal, c, weights, 1, count, a, stop, STAGES)
+    if two:
+        miss(g, nodal, b, d, start, stop)
+        extend(g, nodal, d, weights, 1, count, b, stop, STAGES)
+
+
 def evaluate(
     model: Model, t: float, h: float, x: Stages, y: Stages, u: Stages, w: Stages,
     a: Stages, b: Stages, start: int, stop: int,

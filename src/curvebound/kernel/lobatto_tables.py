@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Final
 
 __all__ = [
     "BY_ROWS",
+    "FOUR",
+    "MIDDLE",
     "NODES",
+    "ONE",
     "POWERS",
     "SQUARE",
     "STAGES",
+    "TWO",
     "WEIGHTS",
     "A",
     "R",
@@ -89,3 +94,21 @@ WEIGHTS: Final[list[float]] = [*BY_ROWS[-STAGES:]]
 #: A and R = A A in the order in which their rows are added up: from the diagonal, R's last from 0
 A: Final[list[float]] = turned(BY_ROWS, [0, 1, 2, 3, 4, 5, 6, 7])
 R: Final[list[float]] = turned(SQUARE, [0, 1, 2, 3, 4, 5, 6, 0])
+
+
+def through(points: list[int]) -> list[float]:
+    """By rows for each node, the weights of values at some in the polynomial through them."""
+    return [
+        math.prod(
+            ((NODES[i] - NODES[m]) / (NODES[j] - NODES[m]) for m in points if m != j), start=1.0
+        )
+        for i in range(STAGES)
+        for j in points
+    ]
+
+
+# through the first nodes, and the middle ones
+ONE: Final[list[float]] = through([1])
+TWO: Final[list[float]] = through([1, 2])
+FOUR: Final[list[float]] = through([1, 2, 3, 4])
+MIDDLE: Final[list[float]] = through([3, 4])

@@ -1,10 +1,11 @@
 """The stages of a Lobatto step of one coordinate, found by Newton's method.
 
-The first sweep is one of lobatto.Collocation's. The second takes the derivatives at the stages,
-too: the corrections by which the accelerations meet their values to first order are found at once,
-by sweeps that take no evaluation. They square what was left, and where that is not enough, the same
-derivatives serve for further ones. The equations cost more than the sums only where there is one
-coordinate: with two, derivatives cost more than they save.
+The first sweep evaluates the two middle stages, and what the guess has missed there extends it. The
+second takes the derivatives at all stages, too: the corrections by which the accelerations meet
+their values to first order are found at once, by sweeps that take no evaluation. They square what
+was left, and where that is not enough, the same derivatives serve for further ones. The equations
+cost more than the sums only where there is one coordinate: with two, derivatives cost more than
+they save.
 """
 
 from __future__ import annotations
@@ -25,23 +26,21 @@ from .course import (
     Course,
     scale,
 )
-from .lobatto_tables import NODES, STAGES, WEIGHTS, A, R, Stages
-from .polynomial import FARTHEST, extrapolated, tail
+from .lobatto_tables import MIDDLE, NODES, STAGES, WEIGHTS, A, R, Stages
+from .polynomial import FARTHEST, NEAR, NEAREST, extend, extrapolated, miss, span, tail
 from .rounding import Rounding
-from .stages import LAST, LATE, copy, fill, follow, weighted
+from .stages import LAST, LATE, apart, copy, fill, follow, weighted
 
 __all__ = ["ANOTHER", "Newton"]
 
 #: for an error: another coordinate moves
 ANOTHER: Final = -1.0
-#: the first stage that the first sweep evaluates in a step that is no longer than this, in units of
-#: the last: those before are extrapolated well enough
+#: the first stage that the first sweep evaluates where the guess is extended
 FIRST: Final = 3
-NEAR: Final = 1.6
 #: part of the tolerance to which sweeps converge: less costs next to nothing here
 PART: Final = 0.1
-#: what corrections leave of a change, relative to its square: 0.6 at most in 99 of 100 steps
-CURVATURE: Final = 1.0
+#: what corrections leave of a change, relative to its square, at most in 99 of 100 steps
+CURVATURE: Final = 0.01
 #: how far corrections may be off: in units of what sweeps may leave, and of their own square
 OFF: Final = 0.01
 SQUARED: Final = 1e-3
@@ -94,14 +93,16 @@ class Newton:
         u: Stages = [0.0] * STAGES
         y: Stages = [0.0] * STAGES
         w: Stages = [0.0] * STAGES
+        ratio = 0.0
         if 0.0 < h <= FARTHEST * last_h:
-            a[1:8] = extrapolated(last, a0, 2.0 * h / last_h)
+            ratio = 2.0 * h / last_h
+            a[1:8] = extrapolated(last, a0, ratio)
         else:
             fill(a, a0)
         a[0], x[0], u[0] = a0, model.q0, model.v0
         self.other = 0.0
         before = unit = rest = 0.0
-        near = 0.0 < h <= NEAR * last_h
+        near: bool = NEAREST * last_h <= h <= NEAR * last_h
         allowed = PART * tolerance
         off = OFF * max(allowed, ROUNDING)
         for sweep in range(MOST_SWEEPS):
@@ -112,11 +113,19 @@ class Newton:
                     evaluate(self, model, t, h, x, q1, u, v1, a, 1, FIRST)
                 follow(rates, h, a, x, u, FIRST, LATE)
                 evaluate(self, model, t, h, x, q1, u, v1, a, FIRST, LATE)
-                follow(rates, h, a, x, u, LATE, LAST)
+                if near:
+                    span(ratio, e)
+                    miss(f, e, a, d, FIRST, LATE)
+                    extend(f, e, d, MIDDLE, FIRST, 2, a, 1, FIRST)
+                    extend(f, e, d, MIDDLE, FIRST, 2, a, LATE, STAGES)
                 follow(True, h, a, x, u, LAST, STAGES)
-                evaluate(self, model, t, h, x, q1, u, v1, a, LATE, STAGES)
                 course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
                 unit = h * course.scale0
+                if not near or unit * apart(a, f) * PRESUMED <= allowed:
+                    follow(rates, h, a, x, u, LATE, LAST)
+                    evaluate(self, model, t, h, x, q1, u, v1, a, LATE, STAGES)
+                elif self.other == 0.0:
+                    continue
                 change = unit * apart(a, f)
                 contraction = max(course.contraction, PRESUMED)
             else:
@@ -125,6 +134,11 @@ class Newton:
                     self.failed = True
                     linearise(self, model, t, h, x, q1, u, v1, a)
                     self.failed = False
+                    if near:
+                        # the guess tells no sizes
+                        follow(True, h, a, x, u, LAST, STAGES)
+                        course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
+                        unit = h * course.scale0
                 else:
                     evaluate(self, model, t, h, x, q1, u, v1, a, 1, STAGES)
                 subtract(a, f, r)
@@ -148,7 +162,7 @@ class Newton:
                     if rest <= enough:
                         break
                     moved = moves
-                converges = shrinking <= SLOWEST
+                converges: bool = shrinking <= SLOWEST
                 if not converges:
                     # the sweep as it is
                     copy(r, d)
@@ -258,12 +272,3 @@ def total(k: Stages) -> float:
         + (WEIGHTS[3] * math.fabs(k[3]) + WEIGHTS[4] * math.fabs(k[4]))
         + (WEIGHTS[5] * math.fabs(k[5]) + WEIGHTS[6] * math.fabs(k[6]))
     ) + WEIGHTS[7] * math.fabs(k[7])
-
-
-def apart(k: Stages, before: Stages) -> float:
-    """The most by which the mean over the step can differ between k and before."""
-    return (
-        (WEIGHTS[1] * math.fabs(k[1] - before[1]) + WEIGHTS[2] * math.fabs(k[2] - before[2]))
-        + (WEIGHTS[3] * math.fabs(k[3] - before[3]) + WEIGHTS[4] * math.fabs(k[4] - before[4]))
-        + (WEIGHTS[5] * math.fabs(k[5] - before[5]) + WEIGHTS[6] * math.fabs(k[6] - before[6]))
-    ) + WEIGHTS[7] * math.fabs(k[7] - before[7])

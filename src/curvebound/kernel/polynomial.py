@@ -1,4 +1,10 @@
-"""The polynomial through the accelerations at the eight Lobatto points of a step."""
+"""The polynomial through the accelerations at the eight Lobatto points of a step.
+
+It guesses those of the next step. Where the first of these are known, too, the polynomial through
+all of them is that of the guess and the nodal one, which is zero at the points of the step before,
+times what the guess has missed, divided by it (Newton's form; Hildebrand 1974, sec. 2.5): a guess
+that the extrapolation leaves a digit or none is good to several.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +13,22 @@ from typing import Final
 
 from .lobatto_tables import NODES, POWERS, STAGES, Stages
 
-__all__ = ["FARTHEST", "extrapolated", "tail"]
+__all__ = ["FARTHEST", "NEAR", "NEAREST", "extend", "extrapolated", "miss", "span", "tail"]
 
 Seven = tuple[float, float, float, float, float, float, float]
 
 #: longest step, in units of the last, that is extrapolated to: rounding grows as the seventh power
 #: and passes for the scale of the motion, so that a wrong step is taken for a right one
 FARTHEST: Final = 16.0
+
+#: steps, in units of the last, whose guess is extended: it takes the points of the next one apart
+NEAREST: Final = 0.01
+NEAR: Final = 1.6
+
+# squares of the points of a step from -1 to 1, but of its ends
+SQUARE4: Final = (2.0 * NODES[4] - 1.0) ** 2
+SQUARE5: Final = (2.0 * NODES[5] - 1.0) ** 2
+SQUARE6: Final = (2.0 * NODES[6] - 1.0) ** 2
 
 # coefficients of the Legendre polynomials of degree 7 (H) and 6 (F), by differences and sums of
 # mirrored values
@@ -97,6 +112,37 @@ def evaluate_at(p: Stages, r: float, x: Stages, y: Stages) -> None:
     """Set y to the values of the polynomial p at the nodes of the next step; x is written over."""
     for i in range(1, STAGES):
         x[i] = 1.0 + NODES[i] * r
-        y[i] = p[7]
-        for m in range(6, -1, -1):
-            y[i] = y[i] * x[i] + p[m]
+        y[i] = x[i] * x[i]
+        # in pairs: the processor overlaps them
+        y[i] = ((p[0] + p[1] * x[i]) + y[i] * (p[2] + p[3] * x[i])) + (y[i] * y[i]) * (
+            (p[4] + p[5] * x[i]) + y[i] * (p[6] + p[7] * x[i])
+        )
+
+
+def span(r: float, nodal: Stages) -> None:
+    """Set the nodal polynomial at the points of the next step, r / 2 times as long."""
+    for i in range(1, STAGES):
+        nodal[i] = (1.0 + NODES[i] * r) * (1.0 + NODES[i] * r)
+        nodal[i] = ((nodal[i] - 1.0) * (nodal[i] - SQUARE6)) * (
+            (nodal[i] - SQUARE5) * (nodal[i] - SQUARE4)
+        )
+
+
+def miss(guess: Stages, nodal: Stages, k: Stages, missed: Stages, start: int, stop: int) -> None:
+    """Set what the guess has missed of k, divided, at the points start to stop - 1."""
+    for i in range(start, stop):
+        missed[i] = (k[i] - guess[i]) / nodal[i]
+
+
+# fmt: off
+def extend(
+    guess: Stages, nodal: Stages, missed: Stages, weights: list[float], first: int, count: int,
+    k: Stages, start: int, stop: int,
+) -> None:
+    """Set k at the points start to stop - 1 by what was missed at `count` points."""
+    for i in range(start, stop):
+        k[i] = weights[count * i] * missed[first]
+        for j in range(1, count):
+            k[i] += weights[count * i + j] * missed[first + j]
+        k[i] = guess[i] + nodal[i] * k[i]
+# fmt: on

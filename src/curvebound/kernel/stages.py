@@ -5,11 +5,12 @@ Written out where they are called when compiled (runtime.WRITTEN_OUT).
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from .lobatto_tables import NODES, STAGES, A, R, Stages, Table
+from .lobatto_tables import NODES, STAGES, WEIGHTS, A, R, Stages, Table
 
-__all__ = ["LAST", "LATE", "copy", "fill", "follow", "weighted"]
+__all__ = ["LAST", "LATE", "apart", "copy", "fill", "follow", "weighted"]
 
 #: number of the last stage, and of the first of the late half
 LAST: Final = STAGES - 1
@@ -49,3 +50,12 @@ def weighted(table: Table, row: int, k: Stages, first: int) -> float:
         (table[row + 4] * k[first + 4] + table[row + 5] * k[first + 5])
         + (table[row + 6] * k[first + 6] + table[row + 7] * k[first + 7])
     )
+
+
+def apart(k: Stages, before: Stages) -> float:
+    """The most by which the mean over the step can differ between k and before."""
+    return (
+        (WEIGHTS[1] * math.fabs(k[1] - before[1]) + WEIGHTS[2] * math.fabs(k[2] - before[2]))
+        + (WEIGHTS[3] * math.fabs(k[3] - before[3]) + WEIGHTS[4] * math.fabs(k[4] - before[4]))
+        + (WEIGHTS[5] * math.fabs(k[5] - before[5]) + WEIGHTS[6] * math.fabs(k[6] - before[6]))
+    ) + WEIGHTS[7] * math.fabs(k[7] - before[7])
