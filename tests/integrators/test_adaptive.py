@@ -68,8 +68,7 @@ def test_error_follows_the_tolerance(system: type[Oscillator], count: int) -> No
         assert 0.4 < coarse - fine < 2.5
     slope = np.polynomial.Polynomial.fit(range(4, 12), means, 1).convert().coef[1]
     assert 0.9 < -slope < 1.6
-    if system is not Oscillator:  # which is a hundred times closer than 1e-4, where less would do
-        assert 0.9 < (means[0] - means[5]) / 5 < 1.6
+    assert 0.9 < (means[0] - means[5]) / 5 < 1.6
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

@@ -129,7 +129,6 @@ class Adaptive(Method):
     def advance(
         self, model: Model, duration: float, count: int, tolerance: float, max_steps: int
     ) -> int:
-        self.collocation.begin()
         self.stiff.begin()
         outcome = self.reach(model, duration, tolerance, max_steps)
         self.evaluations += 7 * self.collocation.sweeps + self.collocation.newton.evaluations
@@ -156,6 +155,7 @@ class Adaptive(Method):
         rounding.begin()
         settles = model.settles
         share = max(SHARE * tolerance / model.magnification, LEAST_SHARE)
+        collocation.begin(share)
         least = duration * SHORT
         model.acceleration(0.0, model.q0, model.q1, model.v0, model.v1)
         a0 = model.a0

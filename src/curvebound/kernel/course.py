@@ -9,7 +9,7 @@ from .base import Model
 from .rounding import NEGLIGIBLE, Rounding
 
 __all__ = [
-    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "MOST_SWEEPS", "PART"),
+    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "MOST_SWEEPS"),
     *("PRESUMED", "ROUNDING", "SLOWEST", "Course", "scale"),
 ]
 
@@ -18,9 +18,11 @@ GOES_ON: Final = 0
 CONVERGED: Final = 1
 DIVERGES: Final = 2
 
-#: part of the tolerance to which sweeps converge: what they leave adds up from step to step, while
-#: errors of the symmetric method cancel where the motion returns
-PART: Final = 0.02
+#: sweeps converge to PART tolerance^POWER of the tolerance: what they leave adds up over the steps,
+#: of which a smaller tolerance takes more, while errors of the symmetric method cancel where the
+#: motion returns. By the least work for errors from 1e-4 to 1e-12.
+PART: Final = 0.4
+POWER: Final = 0.1
 #: most sweeps in a step, and most of corrections in one of these
 MOST_SWEEPS: Final = 12
 #: the slowest convergence at which a step is not better halved
@@ -51,6 +53,12 @@ class Course:
         #: how much the last sweep changed, and the factor by which it did less than the one before
         self.change: float = 0.0
         self.contraction: float = SLOWEST
+        #: part of the tolerance to which sweeps converge
+        self.part: float = 0.0
+
+    def choose_part(self, tolerance: float) -> None:
+        """Before steps that are allowed that error."""
+        self.part = PART * math.exp(POWER * math.log(tolerance))
 
     def begin(
         self, model: Model, rounding: Rounding, t: float, noisy: bool, contraction: float
@@ -92,7 +100,7 @@ class Course:
             left = change * self.contraction
         self.change = change
         contraction = self.contraction if sweep > 1 else 0.0
-        return self.judged(model, rounding, t, h, change, left, contraction, PART * tolerance)
+        return self.judged(model, rounding, t, h, change, left, contraction, self.part * tolerance)
 
     def judged(
         self,

@@ -20,16 +20,7 @@ import math
 from typing import Final, final
 
 from .base import Model
-from .course import (
-    CONVERGED,
-    DIVERGES,
-    GOES_ON,
-    MOST_SWEEPS,
-    PART,
-    SLOWEST,
-    Course,
-    scale,
-)
+from .course import CONVERGED, DIVERGES, GOES_ON, MOST_SWEEPS, SLOWEST, Course, scale
 from .lobatto_tables import FOUR, NODES, ONE, STAGES, TWO, WEIGHTS, Stages
 from .newton import ANOTHER, Newton
 from .polynomial import FARTHEST, NEAR, NEAREST, extend, extrapolated, miss, span, tail
@@ -67,8 +58,9 @@ class Collocation:
         #: whether Newton's method is left alone, for there are no derivatives
         self.plain: bool = False
 
-    def begin(self) -> None:
-        """Forget counts: before a communication step."""
+    def begin(self, tolerance: float) -> None:
+        """Forget counts: before a communication step, whose steps are allowed that error."""
+        self.course.choose_part(tolerance)
         self.sweeps = 0
         self.plain = False
         self.newton.evaluations = 0
@@ -175,9 +167,9 @@ class Collocation:
                     # what the guess misses at the end by that; less is disturbed by rounding only
                     off0 = math.fabs(c[1] * nodal[7]) * scale(v0, v0, h, a0, a[1], rounding.size0)
                     off1 = math.fabs(d[1] * nodal[7]) * scale(v1, v1, h, b0, b[1], rounding.size1)
-                    extends = h * max(off0, off1) > PART * tolerance
+                    extends = h * max(off0, off1) > course.part * tolerance
                     if extends:
-                        proceed(two, f, g, nodal, c, d, ONE, 1, 1, a, b, 2)
+                        proceed(two, f, g, nodal, c, d, ONE, 1, 2, a, b, 2)
                     place(two, rates, h, a, x, u, b, y, w, 2, 3)
                     evaluate(model, t, h, x, y, u, w, a, b, 2, 3)
                     if extends:

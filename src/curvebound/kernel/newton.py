@@ -38,7 +38,7 @@ ANOTHER: Final = -1.0
 #: the first stage that the first sweep evaluates where the guess is extended
 FIRST: Final = 3
 #: part of the tolerance to which sweeps converge: less costs next to nothing here
-PART: Final = 0.1
+PART: Final = 0.2
 #: what corrections leave of a change, relative to its square, at most in 99 of 100 steps
 CURVATURE: Final = 0.01
 #: how far corrections may be off: in units of what sweeps may leave, and of their own square
