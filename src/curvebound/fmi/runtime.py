@@ -87,7 +87,7 @@ WRITTEN_OUT = {
         "quadrature",
     ),
     "curvebound.kernel.newton": (
-        *("add", "correct", "evaluate", "linearise", "shift", "subtract", "total"),
+        *("add", "correct", "evaluate", "linearise", "shift", "subtract"),
     ),
     "curvebound.kernel.stages": ("apart", "copy", "fill", "follow", "weighted"),
 }

@@ -9,7 +9,7 @@ from .base import Model
 from .rounding import NEGLIGIBLE, Rounding
 
 __all__ = [
-    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "MOST_SWEEPS"),
+    *("CONVERGED", "DIVERGES", "FASTEST", "GOES_ON", "MOST_SWEEPS", "OPEN"),
     *("PRESUMED", "ROUNDING", "SLOWEST", "Course", "scale"),
 ]
 
@@ -18,11 +18,8 @@ GOES_ON: Final = 0
 CONVERGED: Final = 1
 DIVERGES: Final = 2
 
-#: sweeps converge to PART tolerance^POWER of the tolerance: what they leave adds up over the steps,
-#: of which a smaller tolerance takes more, while errors of the symmetric method cancel where the
-#: motion returns. By the least work for errors from 1e-4 to 1e-12.
-PART: Final = 0.4
-POWER: Final = 0.1
+#: changes from this on, relative, leave open how large the rates are, and how much is left
+OPEN: Final = 0.01
 #: most sweeps in a step, and most of corrections in one of these
 MOST_SWEEPS: Final = 12
 #: the slowest convergence at which a step is not better halved
@@ -50,15 +47,12 @@ class Course:
         self.known: bool = False
         self.noise0: float = 0.0
         self.noise1: float = 0.0
-        #: how much the last sweep changed, and the factor by which it did less than the one before
+        #: how much the last sweep changed the rates, and the larger of both, relative
+        self.change0: float = 0.0
+        self.change1: float = 0.0
         self.change: float = 0.0
+        #: factor by which it did less than the one before
         self.contraction: float = SLOWEST
-        #: part of the tolerance to which sweeps converge
-        self.part: float = 0.0
-
-    def choose_part(self, tolerance: float) -> None:
-        """Before steps that are allowed that error."""
-        self.part = PART * math.exp(POWER * math.log(tolerance))
 
     def begin(
         self, model: Model, rounding: Rounding, t: float, noisy: bool, contraction: float
@@ -83,6 +77,12 @@ class Course:
         self.noise0 = rounding.noise0
         self.noise1 = rounding.noise1
 
+    def weigh(self, change0: float, change1: float) -> float:
+        """The larger of changes of both rates, relative to each."""
+        self.change0 = change0
+        self.change1 = change1
+        return max(change0 * self.scale0, change1 * self.scale1)
+
     def outcome(
         self,
         model: Model,
@@ -90,17 +90,23 @@ class Course:
         t: float,
         h: float,
         sweep: int,
-        change: float,
-        tolerance: float,
+        change0: float,
+        change1: float,
+        allowed: float,
     ) -> int:
-        """What comes out of a sweep that made that change: GOES_ON or another."""
-        left = change * max(self.contraction, PRESUMED)
+        """What comes out of a sweep that changed the rates as much: GOES_ON or another.
+
+        allowed: what further sweeps may change yet, all together.
+        """
+        change = self.weigh(change0, change1)
+        contraction = max(self.contraction, PRESUMED)
         if self.change > 0.0:
-            self.contraction = max(change / self.change, FASTEST)
-            left = change * self.contraction
+            self.contraction = contraction = max(change / self.change, FASTEST)
         self.change = change
-        contraction = self.contraction if sweep > 1 else 0.0
-        return self.judged(model, rounding, t, h, change, left, contraction, self.part * tolerance)
+        left = change * contraction
+        allowed *= 1.0 - contraction
+        slow = contraction if sweep > 1 else 0.0
+        return self.judged(model, rounding, t, h, change, left, slow, allowed)
 
     def judged(
         self,
@@ -114,12 +120,12 @@ class Course:
         allowed: float,
     ) -> int:
         """What comes out where a change leaves as much, and is that part of the one before."""
-        if left <= max(allowed, ROUNDING):
+        if change < OPEN and left <= max(allowed, ROUNDING):
             return CONVERGED
         if contraction > SLOWEST:
             if not self.known:
                 self.look(model, rounding, t)
-            if change <= h * (self.noise0 * self.scale0 + self.noise1 * self.scale1):
+            if self.change0 <= h * self.noise0 and self.change1 <= h * self.noise1:
                 return CONVERGED
             return DIVERGES
         return GOES_ON

@@ -20,13 +20,14 @@ from .course import (
     FASTEST,
     GOES_ON,
     MOST_SWEEPS,
+    OPEN,
     PRESUMED,
     ROUNDING,
     SLOWEST,
     Course,
     scale,
 )
-from .lobatto_tables import MIDDLE, NODES, STAGES, WEIGHTS, A, R, Stages
+from .lobatto_tables import MIDDLE, NODES, STAGES, A, R, Stages
 from .polynomial import FARTHEST, NEAR, NEAREST, extend, extrapolated, miss, span, tail
 from .rounding import Rounding
 from .stages import LAST, LATE, apart, copy, fill, follow, weighted
@@ -38,9 +39,11 @@ ANOTHER: Final = -1.0
 #: the first stage that the first sweep evaluates where the guess is extended
 FIRST: Final = 3
 #: part of the tolerance to which sweeps converge: less costs next to nothing here
-PART: Final = 0.2
-#: what corrections leave of a change, relative to its square, at most in 99 of 100 steps
+PART: Final = 0.5
+#: what corrections leave of a change, relative to its square: of accelerations that depend on the
+#: coordinate, and on the rate, too
 CURVATURE: Final = 0.01
+CURVATURE_BY_RATES: Final = 0.05
 #: how far corrections may be off: in units of what sweeps may leave, and of their own square
 OFF: Final = 0.01
 SQUARED: Final = 1e-3
@@ -121,12 +124,11 @@ class Newton:
                 follow(True, h, a, x, u, LAST, STAGES)
                 course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
                 unit = h * course.scale0
-                if not near or unit * apart(a, f) * PRESUMED <= allowed:
-                    follow(rates, h, a, x, u, LATE, LAST)
-                    evaluate(self, model, t, h, x, q1, u, v1, a, LATE, STAGES)
-                elif self.other == 0.0:
+                if near and unit * apart(a, f) * PRESUMED > allowed:
                     continue
-                change = unit * apart(a, f)
+                follow(rates, h, a, x, u, LATE, LAST)
+                evaluate(self, model, t, h, x, q1, u, v1, a, LATE, STAGES)
+                change = course.weigh(h * apart(a, f), 0.0)
                 contraction = max(course.contraction, PRESUMED)
             else:
                 follow(rates, h, a, x, u, 1, STAGES)
@@ -134,16 +136,15 @@ class Newton:
                     self.failed = True
                     linearise(self, model, t, h, x, q1, u, v1, a)
                     self.failed = False
-                    if near:
-                        # the guess tells no sizes
-                        follow(True, h, a, x, u, LAST, STAGES)
-                        course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
-                        unit = h * course.scale0
                 else:
                     evaluate(self, model, t, h, x, q1, u, v1, a, 1, STAGES)
+                if not 0.0 < before < OPEN:
+                    follow(True, h, f, x, u, LAST, STAGES)
+                    course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
+                    unit = h * course.scale0
                 subtract(a, f, r)
                 copy(r, d)
-                change = unit * total(d)
+                change = course.weigh(h * apart(a, f), 0.0)
                 enough = max(off, SQUARED * change * change)
                 shrinking = course.contraction
                 moved = 0.0
@@ -167,14 +168,15 @@ class Newton:
                     # the sweep as it is
                     copy(r, d)
                 add(f, d, a)
-                contraction = max(change / before, FASTEST) if before > 0.0 else FASTEST
-                if sweep == 1:
-                    course.contraction = contraction
-                    if converges:
-                        contraction = CURVATURE * change
+                # corrections are sweeps of the linearised equations
+                course.contraction = max(shrinking, FASTEST)
+                contraction = course.contraction
+                if before > 0.0:
+                    contraction = max(change / before, FASTEST)
                 if not converges:
-                    # of a sweep alone, however much a correction before it has gained
                     contraction = max(contraction, course.contraction)
+                elif sweep == 1:
+                    contraction = (CURVATURE_BY_RATES if rates else CURVATURE) * change
             if self.other != 0.0:
                 return ANOTHER
             before = change
@@ -263,12 +265,3 @@ def add(k: Stages, correction: Stages, target: Stages) -> None:
     """Set all but the first element of target to the sum."""
     for i in range(1, STAGES):
         target[i] = k[i] + correction[i]
-
-
-def total(k: Stages) -> float:
-    """The most by which corrections k can change the mean over the step."""
-    return (
-        (WEIGHTS[1] * math.fabs(k[1]) + WEIGHTS[2] * math.fabs(k[2]))
-        + (WEIGHTS[3] * math.fabs(k[3]) + WEIGHTS[4] * math.fabs(k[4]))
-        + (WEIGHTS[5] * math.fabs(k[5]) + WEIGHTS[6] * math.fabs(k[6]))
-    ) + WEIGHTS[7] * math.fabs(k[7])

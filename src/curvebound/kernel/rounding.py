@@ -148,18 +148,20 @@ class Rounding:
         growth = half + apart
         error0 = h * self.noise0
         error1 = h * self.noise1
-        fastest = math.sqrt(max(0.0, apart - half))
         if growth <= FLAT * (math.fabs(model.a0_q0) + math.fabs(model.a1_q1)):
             # a rest that has moved by nothing but rounding is one
             if error0 >= TREMBLING * max(self.fast0, error0):
                 error0 = 0.0
             if error1 >= TREMBLING * max(self.fast1, error1):
                 error1 = 0.0
-            if h * fastest > 1.0:
-                # where forces lead back, what rounding makes of them moves where they lead to: the
-                # rates by no more than they change within a radian, but for what scatters besides
-                error0 = min(error0, max(self.noise0 / fastest, h * self.scatter0))
-                error1 = min(error1, max(self.noise1 / fastest, h * self.scatter1))
+            # where its force leads a coordinate back, an error of it moves where it leads to: the
+            # rate by no more than that makes within a radian, but for what scatters besides
+            pace0 = math.sqrt(max(0.0, -model.a0_q0))
+            if h * pace0 > 1.0:
+                error0 = min(error0, max(self.noise0 / pace0, h * self.scatter0))
+            pace1 = math.sqrt(max(0.0, -model.a1_q1))
+            if h * pace1 > 1.0:
+                error1 = min(error1, max(self.noise1 / pace1, h * self.scatter1))
         self.note_rates(error0, error1)
 
     def note_rates(self, error0: float, error1: float) -> None:
