@@ -149,6 +149,16 @@ def test_building_needs_no_compiler(installed: Callable, tmp_path: Path) -> None
         assert len([n for n in names if n.startswith("resources/") and n.endswith(suffix)]) == 2
 
 
+def test_a_system_of_ones_own_needs_no_compiler(installed: Callable) -> None:
+    """The core came compiled, the system cannot be: it says so, and runs interpreted."""
+    assert installed("python", "-m", "pip", "install", "-q", "sympy").returncode == 0
+    assert installed("curvebound", "new", "my_system").returncode == 0
+    built = installed("curvebound", "build", "my_system", "--out", "build")
+    assert "interpreted (no Cython, which curvebound[compiler] brings)" in built.stdout
+    run = installed("curvebound", "run", "my_system/scene.py")
+    assert run.returncode == 0, run.stderr
+
+
 def test_a_users_type_checker_sees_the_types(installed: Callable) -> None:
     assert installed("python", "-m", "pip", "install", "-q", "mypy").returncode == 0
     right = installed("python", "-m", "mypy", "--strict", "-c", SCRIPT)

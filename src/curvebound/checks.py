@@ -33,6 +33,7 @@ from .fmi.cached import cached_fmu
 from .fmi.compile import why_not
 from .fmi.declaration import OUTPUT, PARAMETER, Fmu
 from .fmi.folder import Folder
+from .fmi.runtime import runtime, system_sources
 from .mechanics.numeric import extended
 from .study.settings import STEP_ORDERS
 from .study.stability.sample import SampleSettings, run_sample
@@ -215,9 +216,9 @@ def is_right_at_random_points(folder: Path | str) -> None:
 
 def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
     """The compiled kernel gives the same bits as the interpreted one."""
-    if why_not():
-        return
     system = _of(folder)
+    if why_not(system=system_sources(system, runtime())):
+        return
     fmu = system.fmu()
     plant = "solver.method" in {v.name for v in fmu.variables}
     built, interpreted = cached_fmu(system), _interpreted(system)

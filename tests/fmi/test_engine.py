@@ -548,7 +548,10 @@ def test_why_nothing_can_be_compiled(monkeypatch: pytest.MonkeyPatch, tmp_path: 
         assert why_not("win64") == told
     assert why_not(compile.HERE) == "no C compiler found"
     assert why_not("") == f"this is none of {', '.join(compile.PLATFORMS)}"
-    # unless it comes with the package
-    file = tmp_path / f"{compile.runtime().extension}{compile.SUFFIXES[compile.HERE]}"
-    file.write_bytes(b"")
-    assert why_not(compile.HERE) == ""
+    # unless it comes with the package: the core, and the system
+    core = compile.runtime()
+    bead = compile.system_sources(find("BeadOnWire"), core)
+    for unit, told in ((core, "no C compiler found"), (bead, "")):
+        (tmp_path / f"{unit.extension}{compile.SUFFIXES[compile.HERE]}").write_bytes(b"")
+        assert why_not() == ""
+        assert why_not(system=bead) == told

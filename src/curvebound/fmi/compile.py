@@ -44,11 +44,12 @@ class Compiled(NamedTuple):
     platforms: tuple[str, ...]
 
 
-def why_not(target: str = HERE) -> str:
-    """Why nothing can be compiled for `target`, one of PLATFORMS, or ''."""
+def why_not(target: str = HERE, system: SystemSources | None = None) -> str:
+    """Why there is no compiled core for `target`, one of PLATFORMS, or none of a system, or ''."""
     if not target:
         return f"this is none of {', '.join(PLATFORMS)}"
-    if (compiled_directory() / f"{runtime().extension}{SUFFIXES[target]}").is_file():
+    names = [unit.extension for unit in (runtime(), system) if unit is not None]
+    if all((compiled_directory() / f"{name}{SUFFIXES[target]}").is_file() for name in names):
         return ""
     if compiler_for(target) is None:
         return "no C compiler found" if target == HERE else f"no C compiler for {target}"
@@ -67,15 +68,15 @@ def compile_kernel(core: Runtime, system: SystemSources) -> Compiled:
     files: dict[str, bytes] = {}
     platforms = []
     for target in PLATFORMS:
-        if why_not(target):
+        if why_not(target, system):
             continue
         for name, unit in ((core.extension, None), (system.extension, system)):
             files[f"{name}{SUFFIXES[target]}"] = extension(target, core, unit)
         platforms.append(target)
     if HERE not in platforms:
         raise CurveboundError(
-            f"the kernel cannot be compiled: {why_not()}; install a C compiler and Cython "
-            "(pip install curvebound[compiler] brings both), or build with --no-compile"
+            f"the kernel cannot be compiled: {why_not(HERE, system)}; install a C compiler and "
+            "Cython (pip install curvebound[compiler] brings both), or build with --no-compile"
         )
     return Compiled(files, tuple(platforms))
 
