@@ -217,7 +217,7 @@ def is_right_at_random_points(folder: Path | str) -> None:
 def runs_alike_compiled_and_interpreted(folder: Path | str) -> None:
     """The compiled kernel gives the same bits as the interpreted one."""
     system = _of(folder)
-    if why_not(system=system_sources(system, runtime())):
+    if why_not(system_sources(system, runtime())):
         return
     fmu = system.fmu()
     plant = "solver.method" in {v.name for v in fmu.variables}

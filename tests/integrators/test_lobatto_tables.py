@@ -79,10 +79,10 @@ def test_extrapolation_is_exact_for_degree_7() -> None:
 @pytest.mark.parametrize(
     ("weights", "first", "count"),
     [
-        (lobatto_tables.ONE, 1, 1),
-        (lobatto_tables.TWO, 1, 2),
-        (lobatto_tables.FOUR, 1, 4),
-        (lobatto_tables.MIDDLE, 3, 2),
+        (lobatto_tables.LAGRANGE_1, 1, 1),
+        (lobatto_tables.LAGRANGE_1_2, 1, 2),
+        (lobatto_tables.LAGRANGE_1_TO_4, 1, 4),
+        (lobatto_tables.LAGRANGE_3_4, 3, 2),
     ],
 )
 def test_an_extended_guess_is_exact_for_a_degree_more_with_each_value(

@@ -94,7 +94,9 @@ def write_c(unit: Unit, folder: Path, core: Unit) -> Path:
 
 
 def compile_c(source: Path, target: str, optimization: Sequence[str] = ("-O2",)) -> Path:
-    """Compile a C source, optimized so, into the extension module for `target`, beside it.
+    """Compile a C source into the extension module for `target`, beside it.
+
+    optimization: options of the compiler beside FLAGS.
 
     Raises CurveboundError where the compiler fails, or there is none.
     """

@@ -172,7 +172,7 @@ def _notes(folder: Folder) -> tuple[str, ...]:
 
 def _extensions(sources: Runtime, own: SystemSources) -> tuple[dict[str, bytes], str]:
     """The compiled kernel, path below the FMU's resources -> content, and what to say of it."""
-    missing = kernel.why_not(system=own)
+    missing = kernel.why_not(own)
     if missing:
         return {}, f"interpreted ({missing})"
     extensions, platforms = kernel.compile_kernel(sources, own)

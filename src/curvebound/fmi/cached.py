@@ -30,7 +30,7 @@ def cached_fmu(folder: Folder) -> Path:
     natives = [(name, binary) for name in PLATFORMS if (binary := compile_binary(name))]
     core = runtime()
     own = system_sources(folder, core)
-    extensions = {} if kernel.why_not(system=own) else kernel.compile_kernel(core, own).files
+    extensions = {} if kernel.why_not(own) else kernel.compile_kernel(core, own).files
     binaries = [*sorted(extensions.items()), *((name, path.read_bytes()) for name, path in natives)]
     parts = [
         cache.sources(_PACKAGE, folder.path),

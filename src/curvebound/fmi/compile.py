@@ -44,8 +44,8 @@ class Compiled(NamedTuple):
     platforms: tuple[str, ...]
 
 
-def why_not(target: str = HERE, system: SystemSources | None = None) -> str:
-    """Why there is no compiled core for `target`, one of PLATFORMS, or none of a system, or ''."""
+def why_not(system: SystemSources | None = None, target: str = HERE) -> str:
+    """Why the core, or a system too, cannot be compiled for `target`, one of PLATFORMS, or ''."""
     if not target:
         return f"this is none of {', '.join(PLATFORMS)}"
     names = [unit.extension for unit in (runtime(), system) if unit is not None]
@@ -68,14 +68,14 @@ def compile_kernel(core: Runtime, system: SystemSources) -> Compiled:
     files: dict[str, bytes] = {}
     platforms = []
     for target in PLATFORMS:
-        if why_not(target, system):
+        if why_not(system, target):
             continue
         for name, unit in ((core.extension, None), (system.extension, system)):
             files[f"{name}{SUFFIXES[target]}"] = extension(target, core, unit)
         platforms.append(target)
     if HERE not in platforms:
         raise CurveboundError(
-            f"the kernel cannot be compiled: {why_not(HERE, system)}; install a C compiler and "
+            f"the kernel cannot be compiled: {why_not(system)}; install a C compiler and "
             "Cython (pip install curvebound[compiler] brings both), or build with --no-compile"
         )
     return Compiled(files, tuple(platforms))
@@ -84,8 +84,8 @@ def compile_kernel(core: Runtime, system: SystemSources) -> Compiled:
 def extension(target: str, core: Runtime, system: SystemSources | None) -> bytes:
     """The extension module of the core, or of a system, for a platform."""
     name = system.extension if system else core.extension
-    # the core takes half the time to compile so, and what its steps keep in registers around calls
-    # of the system's equations saves a twentieth of theirs
+    # the core, which is large, takes half the time to compile so as with -O2 and runs as fast; what
+    # its steps keep in registers around calls of the system's equations saves a twentieth of theirs
     optimization = ("-O2",) if system else ("-O1", "-fcaller-saves")
     file = f"{name}{SUFFIXES[target]}"
     ready = compiled_directory() / file
@@ -138,7 +138,7 @@ def write_shipped(folder: Path) -> Iterator[str]:
     core = runtime()
     systems = [system_sources(system, core) for system in systems_in(fmus_directory())]
     for target in PLATFORMS:
-        missing = why_not(target)
+        missing = why_not(None, target)
         if missing:
             yield f"the kernels for {target}: {missing}"
             continue

@@ -79,16 +79,11 @@ REPEATED = {"curvebound.kernel.rk4": ("steps",)}
 #: loops over the stages of a method
 WRITTEN_OUT = {
     "curvebound.kernel.implicit": ("ahead", "evaluate", "find_powers", "find_times", "place"),
-    "curvebound.kernel.polynomial": (
-        *("evaluate_at", "extend", "find_coefficients", "miss", "span"),
-    ),
+    "curvebound.kernel.polynomial": ("evaluate_at", "extend", "find_coefficients", "miss", "span"),
     "curvebound.kernel.lobatto": (
-        *("estimated", "evaluate", "find_powers", "larger", "moves", "place", "proceed"),
-        "quadrature",
+        *("estimated", "evaluate", "find_powers", "moves", "place", "proceed", "quadrature"),
     ),
-    "curvebound.kernel.newton": (
-        *("add", "correct", "evaluate", "linearise", "shift", "subtract"),
-    ),
+    "curvebound.kernel.newton": ("add", "correct", "evaluate", "linearise", "shift", "subtract"),
     "curvebound.kernel.stages": ("apart", "copy", "fill", "follow", "weighted"),
 }
 

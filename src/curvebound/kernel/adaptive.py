@@ -55,7 +55,7 @@ LARGEST: Final = 1e300
 class Adaptive(Method):
     """Seven evaluations per sweep, usually three or four sweeps per step, order 14.
 
-    One coordinate alone takes one sweep of two and one of seven, by Newton's method.
+    One coordinate alone takes one sweep of two and one or two of seven, by Newton's method.
 
     The tolerance is relative to the rates, each coordinate's own. A motion that starts from rest,
     or rests, thus needs no absolute tolerance. Where something fast has happened, slow steps may

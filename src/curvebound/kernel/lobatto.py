@@ -7,11 +7,12 @@ has the stages
     V_i = v + h sum_j A_ij K_j,    Q_i = q + c_i h v + h^2 sum_j R_ij K_j,    R = A A
 
 The first guess of the K_j extrapolates the polynomial through those of the last step. The first
-sweep evaluates them one after the other, and each extends the guess of those that follow. Further
-ones evaluate them anew, the early half with the old ones, the late half with the new early ones,
-and gain two to three digits. The evaluations of a half do not wait for each other, and the sums are
-added in pairs: the processor overlaps them. Where one coordinate moves alone, newton.Newton finds
-them.
+sweep evaluates stage 1, stage 2, stages 3 and 4, and the late ones; where the step is about as long
+as the last and the guess misses more than is allowed, each group extends the guess of those that
+follow. Further sweeps evaluate them anew, the early half with the old ones, the late half with the
+new early ones, and gain two to three digits. The evaluations of a half do not wait for each other,
+and the sums are added in pairs: the processor overlaps them. Where one coordinate moves alone,
+newton.Newton finds them.
 """
 
 from __future__ import annotations
@@ -30,7 +31,15 @@ from .course import (
     Course,
     scale,
 )
-from .lobatto_tables import FOUR, NODES, ONE, STAGES, TWO, WEIGHTS, Stages
+from .lobatto_tables import (
+    LAGRANGE_1,
+    LAGRANGE_1_2,
+    LAGRANGE_1_TO_4,
+    NODES,
+    STAGES,
+    WEIGHTS,
+    Stages,
+)
 from .newton import ANOTHER, Newton
 from .polynomial import FARTHEST, NEAR, NEAREST, extend, extrapolated, miss, span, tail
 from .rounding import Rounding
@@ -137,8 +146,8 @@ class Collocation:
         f: Stages = [0.0] * STAGES
         g: Stages = [0.0] * STAGES
         nodal: Stages = [0.0] * STAGES
-        c: Stages = [0.0] * STAGES
-        d: Stages = [0.0] * STAGES
+        lack0: Stages = [0.0] * STAGES
+        lack1: Stages = [0.0] * STAGES
         # a coordinate that rests is left out until a sweep finds an acceleration of it
         two: bool = q1 != 0.0 or v1 != 0.0 or b0 != 0.0
         # nor are rates at the stages needed that no acceleration depends on
@@ -180,22 +189,26 @@ class Collocation:
                 if sweep == 0 and near:
                     place(two, rates, h, a, x, u, b, y, w, 1, 2)
                     evaluate(model, t, h, x, y, u, w, a, b, 1, 2)
-                    miss(f, nodal, a, c, 1, 2)
-                    miss(g, nodal, b, d, 1, 2)
+                    miss(f, nodal, a, lack0, 1, 2)
+                    miss(g, nodal, b, lack1, 1, 2)
                     # what the guess misses at the end by that; less is disturbed by rounding only
-                    off0 = math.fabs(c[1] * nodal[7]) * scale(v0, v0, h, a0, a[1], rounding.size0)
-                    off1 = math.fabs(d[1] * nodal[7]) * scale(v1, v1, h, b0, b[1], rounding.size1)
+                    off0 = math.fabs(lack0[1] * nodal[7]) * scale(
+                        v0, v0, h, a0, a[1], rounding.size0
+                    )
+                    off1 = math.fabs(lack1[1] * nodal[7]) * scale(
+                        v1, v1, h, b0, b[1], rounding.size1
+                    )
                     extends = h * max(off0, off1) > allowed
                     if extends:
-                        proceed(two, f, g, nodal, c, d, ONE, 2, a, b, 2)
+                        proceed(two, f, g, nodal, lack0, lack1, LAGRANGE_1, 2, a, b, 2)
                     place(two, rates, h, a, x, u, b, y, w, 2, 3)
                     evaluate(model, t, h, x, y, u, w, a, b, 2, 3)
                     if extends:
-                        proceed(two, f, g, nodal, c, d, TWO, 2, a, b, 3)
+                        proceed(two, f, g, nodal, lack0, lack1, LAGRANGE_1_2, 2, a, b, 3)
                     place(two, rates, h, a, x, u, b, y, w, 3, LATE)
                     evaluate(model, t, h, x, y, u, w, a, b, 3, LATE)
                     if extends:
-                        proceed(two, f, g, nodal, c, d, FOUR, 3, a, b, LATE)
+                        proceed(two, f, g, nodal, lack0, lack1, LAGRANGE_1_TO_4, 3, a, b, LATE)
                 else:
                     place(two, rates, h, a, x, u, b, y, w, 1, LATE)
                     evaluate(model, t, h, x, y, u, w, a, b, 1, LATE)
@@ -267,15 +280,15 @@ def place(
 
 
 def proceed(
-    two: bool, f: Stages, g: Stages, nodal: Stages, c: Stages, d: Stages, weights: list[float],
-    start: int, a: Stages, b: Stages, stop: int,
+    two: bool, f: Stages, g: Stages, nodal: Stages, lack0: Stages, lack1: Stages,
+    weights: list[float], start: int, a: Stages, b: Stages, stop: int,
 ) -> None:
     """Extend the guesses f and g from stage `stop` on; those from `start` to it are new."""
-    miss(f, nodal, a, c, start, stop)
-    extend(f, nodal, c, weights, 1, stop - 1, a, stop, STAGES)
+    miss(f, nodal, a, lack0, start, stop)
+    extend(f, nodal, lack0, weights, 1, stop - 1, a, stop, STAGES)
     if two:
-        miss(g, nodal, b, d, start, stop)
-        extend(g, nodal, d, weights, 1, stop - 1, b, stop, STAGES)
+        miss(g, nodal, b, lack1, start, stop)
+        extend(g, nodal, lack1, weights, 1, stop - 1, b, stop, STAGES)
 
 
 def evaluate(

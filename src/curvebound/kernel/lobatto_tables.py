@@ -6,20 +6,16 @@ import math
 from typing import Annotated, Final
 
 __all__ = [
-    "BY_ROWS",
-    "FOUR",
-    "MIDDLE",
-    "NODES",
-    "ONE",
-    "POWERS",
-    "SQUARE",
-    "STAGES",
-    "TWO",
-    "WEIGHTS",
-    "A",
-    "R",
-    "Stages",
-    "Table",
+    *(
+        "BY_ROWS",
+        "LAGRANGE_1",
+        "LAGRANGE_1_2",
+        "LAGRANGE_1_TO_4",
+        "LAGRANGE_3_4",
+        "NODES",
+        "POWERS",
+    ),
+    *("SQUARE", "STAGES", "WEIGHTS", "A", "R", "Stages", "Table"),
 ]
 
 STAGES: Final = 8
@@ -96,7 +92,7 @@ A: Final[list[float]] = turned(BY_ROWS, [0, 1, 2, 3, 4, 5, 6, 7])
 R: Final[list[float]] = turned(SQUARE, [0, 1, 2, 3, 4, 5, 6, 0])
 
 
-def through(points: list[int]) -> list[float]:
+def lagrange(points: list[int]) -> list[float]:
     """By rows for each node, the weights of values at some in the polynomial through them."""
     return [
         math.prod(
@@ -107,8 +103,8 @@ def through(points: list[int]) -> list[float]:
     ]
 
 
-# through the first nodes, and the middle ones
-ONE: Final[list[float]] = through([1])
-TWO: Final[list[float]] = through([1, 2])
-FOUR: Final[list[float]] = through([1, 2, 3, 4])
-MIDDLE: Final[list[float]] = through([3, 4])
+#: for the first nodes, and the middle ones
+LAGRANGE_1: Final[list[float]] = lagrange([1])
+LAGRANGE_1_2: Final[list[float]] = lagrange([1, 2])
+LAGRANGE_1_TO_4: Final[list[float]] = lagrange([1, 2, 3, 4])
+LAGRANGE_3_4: Final[list[float]] = lagrange([3, 4])

@@ -1,11 +1,11 @@
 """The stages of a Lobatto step of one coordinate, found by Newton's method.
 
-The first sweep evaluates the two middle stages, and what the guess has missed there extends it. The
-second takes the derivatives at all stages, too: the corrections by which the accelerations meet
-their values to first order are found at once, by sweeps that take no evaluation. They square what
-was left, and where that is not enough, the same derivatives serve for further ones. The equations
-cost more than the sums only where there is one coordinate: with two, derivatives cost more than
-they save.
+Where the step is about as long as the last, the first sweep evaluates the two middle stages, and
+what the guess has missed there extends it; else it evaluates all. The second takes the derivatives
+at all stages, too: the corrections by which the accelerations meet their values to first order are
+found at once, by sweeps that take no evaluation. They square what was left, and where that is not
+enough, the same derivatives serve for further ones. The equations cost more than the sums only
+where there is one coordinate: with two, derivatives cost more than they save.
 """
 
 from __future__ import annotations
@@ -27,23 +27,23 @@ from .course import (
     Course,
     scale,
 )
-from .lobatto_tables import MIDDLE, NODES, STAGES, A, R, Stages
+from .lobatto_tables import LAGRANGE_3_4, NODES, STAGES, A, R, Stages
 from .polynomial import FARTHEST, NEAR, NEAREST, extend, extrapolated, miss, span, tail
 from .rounding import Rounding
 from .stages import LAST, LATE, apart, copy, fill, follow, weighted
 
 __all__ = ["ANOTHER", "Newton"]
 
-#: for an error: another coordinate moves
+#: for an error: another coordinate differ
 ANOTHER: Final = -1.0
 #: the first stage that the first sweep evaluates where the guess is extended
 FIRST: Final = 3
-#: part of the tolerance to which sweeps converge: less costs next to nothing here
+#: part of the tolerance to which sweeps converge: corrections leave far less than they count for
 PART: Final = 0.5
 #: what corrections leave of a change, relative to its square: of accelerations that depend on the
 #: coordinate, and on the rate, too
 CURVATURE: Final = 0.01
-CURVATURE_BY_RATES: Final = 0.05
+CURVATURE_BY_RATES: Final = 0.1
 #: how far corrections may be off: in units of what sweeps may leave, and of their own square
 OFF: Final = 0.01
 SQUARED: Final = 1e-3
@@ -96,6 +96,9 @@ class Newton:
         u: Stages = [0.0] * STAGES
         y: Stages = [0.0] * STAGES
         w: Stages = [0.0] * STAGES
+        # the nodal polynomial, and what the guess has missed
+        nodal: Stages = [0.0] * STAGES
+        lack: Stages = [0.0] * STAGES
         ratio = 0.0
         if 0.0 < h <= FARTHEST * last_h:
             ratio = 2.0 * h / last_h
@@ -117,10 +120,10 @@ class Newton:
                 follow(rates, h, a, x, u, FIRST, LATE)
                 evaluate(self, model, t, h, x, q1, u, v1, a, FIRST, LATE)
                 if near:
-                    span(ratio, e)
-                    miss(f, e, a, d, FIRST, LATE)
-                    extend(f, e, d, MIDDLE, FIRST, 2, a, 1, FIRST)
-                    extend(f, e, d, MIDDLE, FIRST, 2, a, LATE, STAGES)
+                    span(ratio, nodal)
+                    miss(f, nodal, a, lack, FIRST, LATE)
+                    extend(f, nodal, lack, LAGRANGE_3_4, FIRST, 2, a, 1, FIRST)
+                    extend(f, nodal, lack, LAGRANGE_3_4, FIRST, 2, a, LATE, STAGES)
                 follow(True, h, a, x, u, LAST, STAGES)
                 course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
                 unit = h * course.scale0
@@ -147,22 +150,22 @@ class Newton:
                 change = course.weigh(h * apart(a, f), 0.0)
                 enough = max(off, SQUARED * change * change)
                 shrinking = course.contraction
-                moved = 0.0
+                differed = 0.0
                 for _ in range(MOST_SWEEPS):
                     copy(d, e)
                     shift(rates, h, d, y, w, 1, LATE)
                     correct(self, rates, r, y, w, d, 1, LATE)
                     shift(rates, h, d, y, w, LATE, STAGES)
                     correct(self, rates, r, y, w, d, LATE, STAGES)
-                    moves = unit * apart(d, e)
-                    if moved > 0.0:
-                        shrinking = moves / moved
+                    differ = unit * apart(d, e)
+                    if differed > 0.0:
+                        shrinking = differ / differed
                         if not shrinking <= SLOWEST:
                             break
-                    rest = moves * shrinking
+                    rest = differ * shrinking
                     if rest <= enough:
                         break
-                    moved = moves
+                    differed = differ
                 converges: bool = shrinking <= SLOWEST
                 if not converges:
                     # the sweep as it is

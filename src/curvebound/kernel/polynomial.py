@@ -1,9 +1,9 @@
 """The polynomial through the accelerations at the eight Lobatto points of a step.
 
-It guesses those of the next step. Where the first of these are known, too, the polynomial through
-all of them is that of the guess and the nodal one, which is zero at the points of the step before,
-times what the guess has missed, divided by it (Newton's form; Hildebrand 1974, sec. 2.5): a guess
-that the extrapolation leaves a digit or none is good to several.
+It guesses those of the next step. Where some of these are known, too, the polynomial through all
+of them is the guess plus the nodal polynomial, which is zero at the points of the step before,
+times the polynomial through what the guess has missed, divided by the nodal one (Newton's form;
+Hildebrand 1974, sec. 2.5): a guess of a digit becomes one of several.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ Seven = tuple[float, float, float, float, float, float, float]
 #: and passes for the scale of the motion, so that a wrong step is taken for a right one
 FARTHEST: Final = 16.0
 
-#: steps, in units of the last, whose guess is extended: it takes the points of the next one apart
+#: steps, in units of the last, whose guess is extended: farther off what it misses at one point
+#: tells little of the next, and much nearer the nodal polynomial is zero in floats
 NEAREST: Final = 0.01
 NEAR: Final = 1.6
 
