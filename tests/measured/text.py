@@ -155,10 +155,10 @@ def _motions(data: Data) -> str:
     most = max(one["most"]["steps"] for one in data["campaigns"])
     return (
         f"of {runs} runs ({data['points']} motions per plant) {number('wrong')} wrong by more than "
-        f"ten times tolerance times conditioning without a warning, {number('doubtful')} of "
-        f"conditioning below 100 with one, {number('failed')} failed that the series takes in 1000 "
-        f"steps; {warned} warned, {needless} of them needlessly (conditioning below 100, error "
-        f"below 1 % of that bound); at most {_thousands(most)} steps"
+        f"ten times tolerance times conditioning without a warning, {number('doubtful')} with a "
+        f"warning at a conditioning below 100, {number('failed')} failed that the series takes in "
+        f"1000 steps; {warned} warned, {needless} of them needlessly (conditioning below 100, "
+        f"error below 1 % of that bound); at most {_thousands(most)} steps"
     )
 
 

@@ -181,8 +181,9 @@ def titled(title: str, *headings: str) -> Table:
     from rich.table import Table
 
     table = Table(title=title and f"\n{title}", title_justify="left", box=None, pad_edge=False)
-    for heading in headings:
-        table.add_column(heading, overflow="fold")
+    for i, heading in enumerate(headings):
+        # names, in the first, stay whole, to be copied and searched for
+        table.add_column(heading, overflow="fold", no_wrap=i == 0)
     table.show_header = any(headings)
     return table
 
