@@ -346,21 +346,30 @@ def test_damping_explains_short_steps_that_rounding_shortens_further() -> None:
     assert run(model, 400.0, 100.0, 1.3e-08).steps < 300
 
 
+@pytest.mark.parametrize("coordinate", [0, 1])
 @pytest.mark.parametrize(
-    ("stiffness", "noise", "doubt"),
-    [(4.0, 2e-3, 0.0), (-4.0, 2e-3, 2e-3), (4.0, 5e-4, 5e-4 / 2.0), (-4.0, 5e-4, 5e-4)],
+    ("stiffness", "noise", "scatter", "doubt"),
+    [
+        (4.0, 2e-3, 0.0, 0.0),
+        (-4.0, 2e-3, 0.0, 2e-3),
+        (4.0, 5e-4, 0.0, 5e-4 / 2.0),
+        (4.0, 5e-4, 4e-4, 4e-4),
+        (0.25, 5e-4, 0.0, 5e-4),
+        (-4.0, 5e-4, 0.0, 5e-4),
+    ],
 )
 def test_a_rest_that_trembles_is_one_where_nothing_grows(
-    stiffness: float, noise: float, doubt: float
+    coordinate: int, stiffness: float, noise: float, scatter: float, doubt: float
 ) -> None:
     """Of rates up to 1, a step of 1 s: from 1e-3 on they are rounding, at a stable rest.
 
-    Nor does it act for longer there than the faster oscillation, of 3 rad/s, takes for a radian.
+    Nor does it act for longer there than the coordinate takes for a radian, of 2 rad/s, however
+    fast the other is, but for what scatters besides.
     """
-    model = Oscillator()
-    model.k0 = stiffness
+    model = Oscillator(1e3, 1e3)
+    setattr(model, f"k{coordinate}", stiffness)
     rounding = Rounding()
-    rounding.fast0 = rounding.size0 = 1.0
-    rounding.noise0 = noise
+    for name, value in (("fast", 1.0), ("size", 1.0), ("noise", noise), ("scatter", scatter)):
+        setattr(rounding, f"{name}{coordinate}", value)
     rounding.note_noise(model, 0.0, 1.0)
     assert rounding.doubt == doubt

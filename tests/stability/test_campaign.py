@@ -19,6 +19,9 @@ pytest.importorskip("heyoka")
         pytest.param("pendulum", 552, False, id="likewise, without hints"),
         pytest.param("bead", 80, True, id="sweeps that gain little were left too early"),
         pytest.param("bead", 319, True, id="likewise, at steps ten times as long"),
+        pytest.param("bead", 1488, False, id="a thrown guess set the sizes"),
+        pytest.param("pendulum", 174, False, id="likewise, after inputs that jump"),
+        pytest.param("pendulum", 1551, False, id="likewise, by fifty times what is allowed"),
     ],
 )
 def test_motions_that_were_once_wrong(name: str, number: int, hints: bool) -> None:

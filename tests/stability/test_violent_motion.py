@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -119,3 +120,15 @@ def test_implicit_halves_no_step_of_linear_motion():
     scene.add("plant", "ParabolaPendulum", {**start, **settings})
     scene.record("plant.solver.steps")
     assert scene.run()["plant.solver.steps"][-1] == 1000
+
+
+def test_what_the_readme_says(pendulum: Prepared) -> None:
+    """The largest residual over the largest kinetic energy, to a factor of two."""
+    readme = (Path(__file__).parents[2] / "README.md").read_text()
+    adaptive = {"solver.method": "adaptive", "solver.tolerance": 1e-9}
+    implicit = {"solver.method": "implicit", "solver.step": 1e-3}
+    said = {"heavy bob": ("m2/m1 = 1e6", 4e-13, 1e-7), "needle": ("a = 500 1/m", 1e-14, 2e-8)}
+    for case, (words, *figures) in said.items():
+        assert f"{words}: {figures[0]:.0e}, {figures[1]:.0e}".replace("e-0", "e-") in readme
+        for method, figure in zip((adaptive, implicit), figures, strict=True):
+            assert imbalance(run(pendulum, **CASES[case], **method)) < 2.0 * figure

@@ -156,12 +156,10 @@ class Rounding:
                 error1 = 0.0
             # where its force leads a coordinate back, an error of it moves where it leads to: the
             # rate by no more than that makes within a radian, but for what scatters besides
-            pace0 = math.sqrt(max(0.0, -model.a0_q0))
-            if h * pace0 > 1.0:
-                error0 = min(error0, max(self.noise0 / pace0, h * self.scatter0))
-            pace1 = math.sqrt(max(0.0, -model.a1_q1))
-            if h * pace1 > 1.0:
-                error1 = min(error1, max(self.noise1 / pace1, h * self.scatter1))
+            radians0 = max(1.0, h * math.sqrt(max(0.0, -model.a0_q0)))
+            radians1 = max(1.0, h * math.sqrt(max(0.0, -model.a1_q1)))
+            error0 = min(error0, max(error0 / radians0, h * self.scatter0))
+            error1 = min(error1, max(error1 / radians1, h * self.scatter1))
         self.note_rates(error0, error1)
 
     def note_rates(self, error0: float, error1: float) -> None:
