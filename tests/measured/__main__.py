@@ -40,10 +40,12 @@ def figures(name: str, count: int) -> dict[str, Any]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("group", nargs="*", choices=[*GROUPS, []], help=", ".join(GROUPS))
+    parser.add_argument(
+        "group", nargs="*", choices=[*GROUPS, []], metavar="GROUP", help=", ".join(GROUPS)
+    )
     parser.add_argument(
         "--count", type=int, default=COUNT,
-        help=f"runs of each sample of points and of motions (default: {COUNT}, an hour)",
+        help=f"runs of each sample of points and motions (default: {COUNT}, a quarter of an hour)",
     )  # fmt: skip
     chosen = parser.parse_args()
     names = chosen.group or STEADY
