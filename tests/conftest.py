@@ -91,7 +91,7 @@ def _same_sys_path() -> Iterator[None]:
 @pytest.fixture
 def interpreting(monkeypatch: pytest.MonkeyPatch) -> None:
     """What this process builds runs interpreted: no minute of compiling for a second's run."""
-    monkeypatch.setattr(kernel, "why_not", lambda *_: "this test runs interpreted")
+    monkeypatch.setattr(kernel, "why_not", lambda *_, **__: "this test runs interpreted")
 
 
 @pytest.fixture

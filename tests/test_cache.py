@@ -28,7 +28,7 @@ SOURCES = Path(cache.__file__).parents[1]
 #: what another process does first, to build in less time: nothing compiled, no reference result
 QUICK = (
     "from curvebound.fmi import compile as kernel, documentation\n"
-    "kernel.why_not = lambda *_: 'no C compiler found'\n"
+    "kernel.why_not = lambda *_, **__: 'no C compiler found'\n"
     "documentation.reference_result = lambda _: None\n"
 )
 
@@ -274,7 +274,7 @@ def quick(natives: dict[str, Path | None], monkeypatch: pytest.MonkeyPatch) -> N
     """QUICK, in this process, as if it had built nothing yet."""
     for module in (binaries, cached):
         monkeypatch.setattr(module, "compile_binary", natives.get)
-    monkeypatch.setattr(kernel, "why_not", lambda *_: "no C compiler found")
+    monkeypatch.setattr(kernel, "why_not", lambda *_, **__: "no C compiler found")
     monkeypatch.setattr(documentation, "reference_result", lambda _: None)
     monkeypatch.setattr(capabilities, "_BUILT", {})
 

@@ -149,8 +149,10 @@ def test_building_needs_no_compiler(installed: Callable, tmp_path: Path) -> None
         assert len([n for n in names if n.startswith("resources/") and n.endswith(suffix)]) == 2
 
 
-def test_a_system_of_ones_own_needs_no_compiler(installed: Callable) -> None:
+def test_a_system_of_ones_own_needs_no_cython(installed: Callable, dist: Path) -> None:
     """The core came compiled, the system cannot be: it says so, and runs interpreted."""
+    (wheel,) = dist.glob("*.whl")
+    assert any(n.endswith(".abi3.so") for n in zipfile.ZipFile(wheel).namelist())
     assert installed("python", "-m", "pip", "install", "-q", "sympy").returncode == 0
     assert installed("curvebound", "new", "my_system").returncode == 0
     built = installed("curvebound", "build", "my_system", "--out", "build")

@@ -538,16 +538,16 @@ def test_what_a_reference_experiment_gives() -> None:
 def test_why_nothing_can_be_compiled(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     for name in ("compiled_directory", "compiler_for", "cython_version", "headers"):
         monkeypatch.setattr(compile, name, lambda *_: tmp_path)
-    assert why_not(None, "linux64") == ""
+    assert why_not(target="linux64") == ""
     for name, told in (
         ("headers", "no Python.h"),
         ("cython_version", "no Cython, which curvebound[compiler] brings"),
         ("compiler_for", "no C compiler for win64"),
     ):
         monkeypatch.setattr(compile, name, lambda *_: None)
-        assert why_not(None, "win64") == told
+        assert why_not(target="win64") == told
     assert why_not() == "no C compiler found"
-    assert why_not(None, "") == f"this is none of {', '.join(compile.PLATFORMS)}"
+    assert why_not(target="") == f"this is none of {', '.join(compile.PLATFORMS)}"
     # unless it comes with the package: the core, and the system
     core = compile.runtime()
     bead = compile.system_sources(find("BeadOnWire"), core)

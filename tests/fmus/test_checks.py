@@ -57,7 +57,7 @@ FAULTS: dict[Callable[[Path], None], tuple[str, str, str]] = {
 @pytest.mark.usefixtures("short_reference")
 @pytest.mark.parametrize("check", FAULTS, ids=lambda check: check.__name__)
 def test_a_fault_is_found(check: Callable[[Path], None], tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_: "it takes too long here")
+    monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_, **__: "it takes too long here")
     folder = tmp_path / "bead_on_wire"
     shutil.copytree(find("BeadOnWire").path, folder)
     old, new, said = FAULTS[check]
@@ -75,7 +75,7 @@ def test_a_fault_is_found(check: Callable[[Path], None], tmp_path: Path, monkeyp
 
 @pytest.mark.usefixtures("short_reference", "sampled_here")
 def test_a_fault_is_found_at_random_points(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_: "it takes too long here")
+    monkeypatch.setattr("curvebound.fmi.compile.why_not", lambda *_, **__: "it takes too long here")
     monkeypatch.setattr(checks, "_POINTS", 3)
     folder = tmp_path / "bead_on_wire"
     shutil.copytree(find("BeadOnWire").path, folder)

@@ -15,6 +15,7 @@ import pytest
 from numpy.polynomial import legendre
 
 from curvebound.kernel import lobatto, lobatto_tables, polynomial
+from curvebound.kernel.course import OPEN
 
 NODES = np.array(lobatto_tables.NODES)
 A = np.reshape(lobatto_tables.BY_ROWS, (8, 8))
@@ -147,3 +148,8 @@ def test_end_of_the_step() -> None:
     lobatto.follow(True, 0.2, k.tolist(), x, w, 7, 8)
     assert w[7] == pytest.approx(-1 + 0.2 * (1 / 3 + 2 / 2 + 3), abs=1e-15)
     assert x[7] == pytest.approx(0.5 - 0.2 + 0.04 * (1 / 12 + 2 / 6 + 3 / 2), abs=1e-15)
+
+
+def test_a_last_stage_that_is_thrown_far_is_a_change_that_tells_nothing() -> None:
+    """It sets the size of the rate, and changes the mean by its weight."""
+    assert lobatto_tables.WEIGHTS[-1] > OPEN

@@ -6,7 +6,6 @@ that errors are relative to made steps wrong in silence, 3e4 tolerances and more
 
 from __future__ import annotations
 
-import math
 import random
 
 import numpy as np
@@ -33,7 +32,7 @@ def silent(method: Method, tolerance: float) -> bool:
 
 
 def off(model: Oscillator, pieces: list[float], tolerance: float) -> float:
-    """The largest error after a piece, in units of the tolerance; 0 where it is told."""
+    """The largest error after a piece, in units of the tolerance, of which nothing is told."""
     method = create(4)
     matrix = np.array(model.linear_system())
     exact = np.array([model.q0, model.q1, model.v0, model.v1, 1.0])
@@ -48,7 +47,8 @@ def off(model: Oscillator, pieces: list[float], tolerance: float) -> float:
         size[2:] = np.maximum(size[2:], 1e-3 * paces * size[:2])
         error = np.abs(np.array([model.q0, model.q1, model.v0, model.v1]) - exact[:4])
         worst = max(worst, float((error / size).max()) / tolerance)
-    return worst if silent(method, tolerance) else 0.0
+    assert silent(method, tolerance)
+    return worst
 
 
 @pytest.mark.parametrize("start", range(4))
@@ -148,13 +148,16 @@ def test_a_long_step_after_a_short_one_whose_accelerations_scatter(two: bool, no
 def test_a_damped_pendulum_at_a_coarse_tolerance(
     slider: float, pendulum: float, tolerance: float
 ) -> None:
-    """The first was 1e-3 off, where its slider has come to 1e-6, the second 40 times too fast."""
+    """The first was 1e-3 off, where its slider has come to 1e-6, the second 40 times too fast.
+
+    The last took four times the steps.
+    """
     values = {"slider.damping": slider, "pendulum.damping": pendulum, "model.fidelity": 2}
     model, fine = (KERNEL.system("ParabolaPendulum", values) for _ in range(2))
     method, finer = create(4), create(4)
     assert method.advance(model, 10.0, 1, tolerance, 10_000) == DONE
     assert finer.advance(fine, 10.0, 1, 1e-13, 10_000) == DONE
-    for one, other in ((model.q0, fine.q0), (model.q1, fine.q1), (model.v1, fine.v1)):
+    for name in ("q0", "q1", "v0", "v1"):
+        one, other = getattr(model, name), getattr(fine, name)
         assert one == pytest.approx(other, abs=tolerance * max(0.1, abs(other)))
     assert method.evaluations < finer.evaluations
-    assert math.isfinite(model.work)

@@ -123,7 +123,7 @@ def test_implicit_halves_no_step_of_linear_motion():
 
 
 def test_what_the_readme_says(pendulum: Prepared) -> None:
-    """The largest residual over the largest kinetic energy, to a factor of two."""
+    """The largest residual over the largest kinetic energy, at most twice."""
     readme = (Path(__file__).parents[2] / "README.md").read_text()
     adaptive = {"solver.method": "adaptive", "solver.tolerance": 1e-9}
     implicit = {"solver.method": "implicit", "solver.step": 1e-3}

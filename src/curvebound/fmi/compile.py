@@ -44,8 +44,8 @@ class Compiled(NamedTuple):
     platforms: tuple[str, ...]
 
 
-def why_not(system: SystemSources | None = None, target: str = HERE) -> str:
-    """Why the core, or a system too, cannot be compiled for `target`, one of PLATFORMS, or ''."""
+def why_not(system: SystemSources | None = None, *, target: str = HERE) -> str:
+    """Why there is no compiled core, or system, for `target`, one of PLATFORMS, or ''."""
     if not target:
         return f"this is none of {', '.join(PLATFORMS)}"
     names = [unit.extension for unit in (runtime(), system) if unit is not None]
@@ -68,7 +68,7 @@ def compile_kernel(core: Runtime, system: SystemSources) -> Compiled:
     files: dict[str, bytes] = {}
     platforms = []
     for target in PLATFORMS:
-        if why_not(system, target):
+        if why_not(system, target=target):
             continue
         for name, unit in ((core.extension, None), (system.extension, system)):
             files[f"{name}{SUFFIXES[target]}"] = extension(target, core, unit)
@@ -138,7 +138,7 @@ def write_shipped(folder: Path) -> Iterator[str]:
     core = runtime()
     systems = [system_sources(system, core) for system in systems_in(fmus_directory())]
     for target in PLATFORMS:
-        missing = why_not(None, target)
+        missing = why_not(target=target)
         if missing:
             yield f"the kernels for {target}: {missing}"
             continue

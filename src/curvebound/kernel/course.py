@@ -18,7 +18,8 @@ GOES_ON: Final = 0
 CONVERGED: Final = 1
 DIVERGES: Final = 2
 
-#: changes from this on, relative, leave open how large the rates are, and how much is left
+#: changes from this on, relative, leave open how large the rates are, and how much is left: less
+#: than the quadrature's last weight, so that a last stage that was thrown far passes for no size
 OPEN: Final = 0.01
 #: most sweeps in a step, and most of corrections in one of these
 MOST_SWEEPS: Final = 12
@@ -36,7 +37,7 @@ TINY: Final = 1e-300
 class Course:
     """The sweeps of one step.
 
-    Changes are relative to the rates of the coordinates, each for itself.
+    Errors and `change` are relative to the rates of the coordinates, each for itself.
     """
 
     def __init__(self) -> None:
@@ -47,11 +48,11 @@ class Course:
         self.known: bool = False
         self.noise0: float = 0.0
         self.noise1: float = 0.0
-        #: how much the last sweep changed the rates, and the larger of both, relative
+        #: how much the last sweep changed both rates, and the larger of them, relative; 0: none has
         self.change0: float = 0.0
         self.change1: float = 0.0
         self.change: float = 0.0
-        #: factor by which it did less than the one before
+        #: factor by which it, or a correction of Newton's method, did less than the one before
         self.contraction: float = SLOWEST
 
     def begin(
@@ -76,6 +77,13 @@ class Course:
         rounding.estimate(model, t)
         self.noise0 = rounding.noise0
         self.noise1 = rounding.noise1
+
+    def measure(self, scale0: float, scale1: float) -> None:
+        """Set 1 / size of both rates."""
+        self.scale0 = scale0
+        self.scale1 = scale1
+        if self.change > 0.0:
+            self.change = max(self.change0 * scale0, self.change1 * scale1)
 
     def weigh(self, change0: float, change1: float) -> float:
         """The larger of changes of both rates, relative to each."""

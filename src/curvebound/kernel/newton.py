@@ -1,11 +1,12 @@
 """The stages of a Lobatto step of one coordinate, found by Newton's method.
 
-Where the step is about as long as the last, the first sweep evaluates the two middle stages, and
-what the guess has missed there extends it; else it evaluates all. The second takes the derivatives
-at all stages, too: the corrections by which the accelerations meet their values to first order are
-found at once, by sweeps that take no evaluation. They square what was left, and where that is not
-enough, the same derivatives serve for further ones. The equations cost more than the sums only
-where there is one coordinate: with two, derivatives cost more than they save.
+Where the step is a hundredth to 1.6 times as long as the last, the first sweep evaluates the two
+middle stages, and what the guess has missed there extends it; else it evaluates all. The second
+takes the derivatives at all stages, too: the corrections by which the accelerations meet their
+values to first order are found at once, by sweeps that take no evaluation. They square what was
+left, and where that is not enough, the same derivatives serve for further ones. The equations cost
+more than the sums only where there is one coordinate: with two, derivatives cost more than they
+save.
 """
 
 from __future__ import annotations
@@ -34,14 +35,14 @@ from .stages import LAST, LATE, apart, copy, fill, follow, weighted
 
 __all__ = ["ANOTHER", "Newton"]
 
-#: for an error: another coordinate differ
+#: for an error: another coordinate moves
 ANOTHER: Final = -1.0
 #: the first stage that the first sweep evaluates where the guess is extended
 FIRST: Final = 3
-#: part of the tolerance to which sweeps converge: corrections leave far less than they count for
+#: part of the tolerance to which sweeps converge: most leave far less, single ones a little more
 PART: Final = 0.5
-#: what corrections leave of a change, relative to its square: of accelerations that depend on the
-#: coordinate, and on the rate, too
+#: what corrections leave of a change, relative to its square, in most steps (tests/integrators):
+#: of accelerations that depend on the coordinate, and on the rate, too
 CURVATURE: Final = 0.01
 CURVATURE_BY_RATES: Final = 0.1
 #: how far corrections may be off: in units of what sweeps may leave, and of their own square
@@ -107,7 +108,7 @@ class Newton:
             fill(a, a0)
         a[0], x[0], u[0] = a0, model.q0, model.v0
         self.other = 0.0
-        before = unit = rest = 0.0
+        unit = rest = 0.0
         near: bool = NEAREST * last_h <= h <= NEAR * last_h
         allowed = PART * tolerance
         off = OFF * max(allowed, ROUNDING)
@@ -128,6 +129,8 @@ class Newton:
                 course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
                 unit = h * course.scale0
                 if near and unit * apart(a, f) * PRESUMED > allowed:
+                    if self.other != 0.0:
+                        return ANOTHER
                     continue
                 follow(rates, h, a, x, u, LATE, LAST)
                 evaluate(self, model, t, h, x, q1, u, v1, a, LATE, STAGES)
@@ -141,38 +144,40 @@ class Newton:
                     self.failed = False
                 else:
                     evaluate(self, model, t, h, x, q1, u, v1, a, 1, STAGES)
-                if not 0.0 < before < OPEN:
-                    follow(True, h, f, x, u, LAST, STAGES)
-                    course.scale0 = scale(u[0], u[7], h, a0, a[7], rounding.size0)
+                if not 0.0 < course.change < OPEN:
+                    if not rates:
+                        follow(True, h, f, x, u, LAST, STAGES)
+                    course.measure(scale(u[0], u[7], h, a0, a[7], rounding.size0), 0.0)
                     unit = h * course.scale0
                 subtract(a, f, r)
                 copy(r, d)
+                before = course.change
                 change = course.weigh(h * apart(a, f), 0.0)
                 enough = max(off, SQUARED * change * change)
-                shrinking = course.contraction
-                differed = 0.0
+                converges: bool = True
+                shifted_before = 0.0
                 for _ in range(MOST_SWEEPS):
                     copy(d, e)
                     shift(rates, h, d, y, w, 1, LATE)
                     correct(self, rates, r, y, w, d, 1, LATE)
                     shift(rates, h, d, y, w, LATE, STAGES)
                     correct(self, rates, r, y, w, d, LATE, STAGES)
-                    differ = unit * apart(d, e)
-                    if differed > 0.0:
-                        shrinking = differ / differed
-                        if not shrinking <= SLOWEST:
+                    shifted = unit * apart(d, e)
+                    if shifted_before > 0.0:
+                        # corrections are sweeps of the linearised equations
+                        course.contraction = max(shifted / shifted_before, FASTEST)
+                        converges = course.contraction <= SLOWEST
+                        if not converges:
                             break
-                    rest = differ * shrinking
+                    rest = shifted * min(course.contraction, SLOWEST)
                     if rest <= enough:
                         break
-                    differed = differ
-                converges: bool = shrinking <= SLOWEST
+                    shifted_before = shifted
                 if not converges:
                     # the sweep as it is
                     copy(r, d)
+                    rest = 0.0
                 add(f, d, a)
-                # corrections are sweeps of the linearised equations
-                course.contraction = max(shrinking, FASTEST)
                 contraction = course.contraction
                 if before > 0.0:
                     contraction = max(change / before, FASTEST)
@@ -182,7 +187,7 @@ class Newton:
                     contraction = (CURVATURE_BY_RATES if rates else CURVATURE) * change
             if self.other != 0.0:
                 return ANOTHER
-            before = change
+            course.change = change
             left = change * contraction + rest
             slow = contraction if sweep > 1 else 0.0
             outcome = course.judged(model, rounding, t, h, change, left, slow, allowed)

@@ -21,8 +21,8 @@ Seven = tuple[float, float, float, float, float, float, float]
 #: and passes for the scale of the motion, so that a wrong step is taken for a right one
 FARTHEST: Final = 16.0
 
-#: steps, in units of the last, whose guess is extended: farther off what it misses at one point
-#: tells little of the next, and much nearer the nodal polynomial is zero in floats
+#: steps, in units of the last, whose guess is extended: of longer ones what it misses at one point
+#: tells little of the next, shorter ones need it not (and at 1e-15 the nodal polynomial is zero)
 NEAREST: Final = 0.01
 NEAR: Final = 1.6
 

@@ -154,8 +154,9 @@ class Rounding:
                 error0 = 0.0
             if error1 >= TREMBLING * max(self.fast1, error1):
                 error1 = 0.0
-            # where its force leads a coordinate back, an error of it moves where it leads to: the
-            # rate by no more than that makes within a radian, but for what scatters besides
+            # roundings d of the places make forces by their slopes, which lead back where they are
+            # great: to places that are d off, at rates of d times the pace, however long they act.
+            # What scatters besides acts for the whole step
             radians0 = max(1.0, h * math.sqrt(max(0.0, -model.a0_q0)))
             radians1 = max(1.0, h * math.sqrt(max(0.0, -model.a1_q1)))
             error0 = min(error0, max(error0 / radians0, h * self.scatter0))
