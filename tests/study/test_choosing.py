@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
@@ -23,7 +22,7 @@ from curvebound.study.reference.reference_set import judge
 from curvebound.study.settings import Setting, space_of
 from curvebound.study.tune.candidate import Candidate
 from curvebound.study.tune.ensemble import _STUDENT, Ensemble
-from curvebound.study.tune.macro_search import MacroSearch
+from curvebound.study.tune.macro_search import MacroSearch, fraction
 from curvebound.study.tune.step_search import coarser, search_size
 from curvebound.study.tune.tuner import Tuner
 
@@ -125,16 +124,25 @@ def ensemble(misses: list[float]) -> Ensemble:
 
 
 def test_of_other_starts_is_expected_what_the_spread_says() -> None:
-    """The bound of prediction, one-sided, at 99.5 %, of errors that are log-normal."""
+    """The bound of prediction, one-sided, at 99.5 %, of errors log-normal above their median."""
     misses = [0.1, 0.2, 0.05, 0.12, 0.3, 0.07]
     made = ensemble(misses)
     found = made.all(family("rk4"), {"x": 1e-3})
-    logs = np.log(misses)
-    reach = student.ppf(0.995, 5) * statistics.stdev(logs) * math.sqrt(1.0 + 1.0 / 6.0)
-    assert found.miss == pytest.approx(math.exp(logs.mean() + reach), rel=1e-3)
+    logs = np.sort(np.log(misses))
+    middle = np.median(logs)
+    scatter = np.sqrt(np.mean((logs[3:] - middle) ** 2))
+    reach = student.ppf(0.995, 5) * scatter * math.sqrt(1.0 + 1.0 / 6.0)
+    assert found.miss == pytest.approx(math.exp(middle + reach), rel=1e-3)
     assert found.seen == pytest.approx(0.3)
     assert found.starts == made.runs == 6
     assert not found.fits
+
+
+def test_starts_that_come_out_far_better_do_not_make_others_worse() -> None:
+    """What nearly vanishes at some starts is no sign that it grows at others."""
+    even, better = [0.5, 0.55, 0.6, 0.5, 0.55, 0.6], [0.5, 0.55, 0.6, 0.001, 0.55, 0.6]
+    for misses in (even, better):
+        assert 0.6 < ensemble(misses).all(family("rk4"), {"x": 1e-3}).miss < 0.75
 
 
 def test_equal_starts_leave_a_margin_of_a_tenth_and_wild_ones_of_a_thousand() -> None:
@@ -335,7 +343,7 @@ def test_the_bound_can_be_judged_as_long_as_the_reference_is_a_hundred_times_sur
 def test_a_macro_step_follows_from_the_order_of_the_algorithm(
     monkeypatch: pytest.MonkeyPatch, algorithm: str, order: int
 ) -> None:
-    """100 times the bound at the scene's macro step: a tenth and a little less, or a hundredth."""
+    """100 times the bound at the scene's macro step: a little less than its 100th, or a tenth."""
     scene = load_scene("active_damping")
     scene.stop_time = 1.0
     if ALGORITHMS[algorithm].rolls_back:
@@ -355,8 +363,9 @@ def test_a_macro_step_follows_from_the_order_of_the_algorithm(
     finally:
         tuner.close()
     assert macro.algorithm == algorithm
-    wanted = (0.35 / 100.0) ** (1.0 / order) * scene.step
-    assert macro.step == pytest.approx(scene.step / math.ceil(scene.step / wanted))
+    wanted = (0.8 / 100.0) ** (1.0 / order) * scene.step
+    assert wanted / 1.1 < macro.step < wanted * (1.0 + 1e-9)
+    assert 1.0 / macro.step == pytest.approx(round(1.0 / macro.step), rel=1e-9)
     mine = [c for c in tried if c.setting.coupling == macro.coupling]
     assert [c.starts for c in mine] == [1, 1, 4]  # twice at its own start, then at all
 
@@ -385,7 +394,7 @@ def test_a_macro_step_leaves_room_at_all_starts(monkeypatch: pytest.MonkeyPatch)
     finally:
         tuner.close()
     assert macro.coupling == "gauss_seidel, hold first"
-    assert macro.step == scene.step / 2
+    assert 0.7 < 1.1 * 2.0 * 0.45 * (macro.step / scene.step) ** 2 < 0.9
 
 
 def pushed(**settings: Any) -> Scene:
@@ -424,7 +433,7 @@ def test_a_hold_is_chosen_by_what_it_comes_to(
     finally:
         tuner.close()
     assert macro.hold == hold
-    assert macro.step == pytest.approx(0.1 if hold == "first" else 0.1 / 29)
+    assert macro.step == (0.1 if hold == "first" else 0.008)
     assert {f.hold for f in families} == {hold}
 
 
@@ -448,7 +457,7 @@ def test_a_macro_step_whose_run_would_last_beyond_the_limit_is_not_tried(
     """A run of 2 s costs 1e-5 s a second, and as many times more as it has steps."""
     scene = load_scene("active_damping")
     scene.stop_time = 2.0
-    finer = math.ceil(100.0 / 0.35)
+    finer = 125
     tuner = Tuner(
         scene, list(scene.needs.errors), continuous=True, starts=4, limit=share * 2e-5 * finer
     )
@@ -467,6 +476,87 @@ def test_a_macro_step_whose_run_would_last_beyond_the_limit_is_not_tried(
     own = [c for c in tried if c.setting.coupling == "gauss_seidel" and c.starts == 1]
     assert len(own) == runs
     assert macro.step == pytest.approx(scene.step / (finer if runs == 2 else 1))
+
+
+@pytest.mark.parametrize("whole", [0.04, 20.0])
+def test_macro_steps_divide_a_time_and_are_round_where_that_costs_little(whole: float) -> None:
+    for longest in np.geomspace(1e-6, 0.04, 300):
+        step = fraction(whole, longest)
+        parts = whole / step
+        assert parts == pytest.approx(round(parts), rel=1e-9)
+        assert whole / longest * (1.0 - 1e-9) <= parts <= 1.1 * math.ceil(whole / longest)
+
+
+def test_a_round_macro_step() -> None:
+    assert fraction(20.0, 0.0085) == 0.008
+    assert fraction(20.0, 0.04) == fraction(0.04, 0.04) == 0.04
+    assert fraction(20.0, 0.0279) == 20.0 / 717
+    assert fraction(0.04, 0.0279) == 0.02
+
+
+# -- errors that cancel ---------------------------------------------------------------------------
+
+TIMES = np.linspace(0.0, 10.0, 201)
+
+
+def signed(tuner: Tuner, monkeypatch: pytest.MonkeyPatch, seed: int) -> Law:
+    """Errors over bounds that are sums of coupling's and the method's, of any sign and course."""
+
+    @cache
+    def course(*key: str) -> tuple[Any, Any]:
+        draw = np.random.default_rng([seed, *repr(key).encode()])
+        level, overhead, unit = 10.0 ** draw.uniform([-3.5, -5.0, -8.0], [-1.0, -4.5, -6.5])
+        # mostly one course of time for all, as where one drive makes all errors
+        shape = draw.choice([-1.0, 1.0]) * np.sin(TIMES) + 0.05 * draw.normal() * np.cos(TIMES)
+        return (level, overhead, unit), shape
+
+    def parts(setting: Setting) -> Any:
+        p = 2 if setting.hold == "first" else 1
+        coupling = 15.0 * (setting.step / tuner.step) ** p * course(setting.hold)[1]
+        (level, overhead, unit), shape = course(str(setting.structure), setting.method)
+        steps = overhead / setting.step
+        if setting.size is None:
+            return coupling, steps
+        if setting.by_tolerance:
+            own = setting.size / level * 1e-3
+            return coupling + own * shape, steps * (2.0 - 0.1 * math.log10(setting.size))
+        own = (setting.size / level) ** ORDERS[setting.method]
+        return coupling + own * shape, steps + unit / setting.size
+
+    def law(setting: Setting) -> tuple[float, float]:
+        error, cpu = parts(setting)
+        return float(np.abs(error).max()), cpu
+
+    obeying(tuner, monkeypatch, law)
+    one = tuner.ensemble.one
+    monkeypatch.setattr(
+        tuner.ensemble, "errors", lambda setting, bounds: (one(setting, bounds), parts(setting)[0])
+    )
+    return law
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_coupling_and_what_integrates_in_it_cost_little_more_than_the_cheapest_of_all(
+    monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    """Against every macro step, hold, method and size, at 0.9 of the bound."""
+    scene = pushed()
+    tuner = Tuner(scene, ["bead.bead.angle"], continuous=True, starts=4, limit=1e3)
+    try:
+        law = signed(tuner, monkeypatch, seed)
+        choice = tuner.tune({"bead.bead.angle": 1e-3})
+        assert choice.chosen is not None
+        assert choice.chosen.fits
+        costs = []
+        for count in np.unique(np.round(np.geomspace(10, 400, 30))):
+            for hold in ("zero", "first"):
+                for one in tuner.space.families(1.0 / count, "gauss_seidel", hold):
+                    sizes = [10.0 ** (-n / 4) for n in range(8, 61)] if one.by_tolerance else []
+                    sizes = sizes or list(one.step / np.unique(np.round(1.1 ** np.arange(80))))
+                    costs += [c for s in sizes for m, c in [law(one.with_size(s))] if m < 0.9]
+        assert choice.chosen.cpu < MOST * min(costs)
+    finally:
+        tuner.close()
 
 
 # -- what a reference can judge -------------------------------------------------------------------
@@ -508,7 +598,7 @@ def test_one_slow_timing_does_not_decide_between_couplings() -> None:
         one=lambda setting, _: candidate(setting, 0.4, next(timings[setting.hold]))
     )
     none: Any = None
-    search = MacroSearch(none, none, ensemble, step=0.1, sampled=True, dearest=math.inf)
+    search = MacroSearch(none, none, ensemble, step=0.1, whole=1.0, sampled=True, dearest=math.inf)
     options = [candidate(held, 0.4, 3.2), candidate(sloped, 0.4, 9.0)]
     assert search._cheapest(options, {}) == sloped
     assert search._cheapest(options[:1], {}) == held  # nothing to compare with: not run again

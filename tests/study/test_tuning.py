@@ -173,17 +173,27 @@ def test_continuous_control_asks_for_a_shorter_macro_step_or_for_slopes(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "bounds", "continuous"),
+    [
+        ("bead_on_wire", [1e-2, 1e-6], False),
+        ("shaken_wire", [1e-4, 1e-5], True),
+        ("swaying_parabola", [1e-3, 1e-4], True),
+    ],
+)
 def test_tuning_keeps_its_promises_on_a_short_scene(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch, name: str, bounds: list[float], continuous: bool
 ) -> None:
     """The check itself: fresh starts, and the cost against the grid's best."""
     from benchmarks import promises as verify
 
-    scene = load_scene("bead_on_wire")
+    scene = load_scene(name)
     scene.stop_time = 1.0
     monkeypatch.setattr(verify, "load_scene", lambda name: scene)
-    cases = verify.verify_scene("bead_on_wire", [1e-2, 1e-6], fresh=3, quick=True, limit=0.05)
-    assert [case.bound for case in cases] == [1e-2, 1e-6]
+    cases = verify.verify_scene(
+        name, bounds, fresh=3, quick=True, limit=0.05, continuous=continuous
+    )
+    assert [case.bound for case in cases] == bounds
     for case in cases:
         assert case.met == case.judged == case.fresh == 3
         assert case.worst <= 1.0

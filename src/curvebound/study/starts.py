@@ -63,15 +63,17 @@ def surrounding(
 ) -> dict[str, NDArray[np.float64]]:
     """The scene's own start and `count` more around it, as arrays (1 + count,) by path.
 
-    Half are corners of the box within `spread` (relative), the extremes along its diagonal first:
-    errors mostly grow with the size of the motion. The rest is a Latin hypercube.
+    Up to half are corners of the box within `spread` (relative), the extremes along its diagonal
+    first: errors mostly grow with the size of the motion. The rest is a Latin hypercube.
     """
     own = initial_values(system)
     random = np.random.default_rng(seed)
     dimensions = len(own)
     corners = [np.ones(dimensions), -np.ones(dimensions)]
-    while len(corners) < (count + 1) // 2:
-        corners.append(random.choice([-1.0, 1.0], dimensions))
+    while len(corners) < min((count + 1) // 2, 2**dimensions):
+        corner = random.choice([-1.0, 1.0], dimensions)
+        if not any(np.array_equal(corner, other) for other in corners):
+            corners.append(corner)
     inside = max(0, count - len(corners))
     columns = [
         (random.permutation(inside) + random.random(inside)) / max(1, inside) * 2.0 - 1.0

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reference.reference_set import ReferenceSet
-from ..runner import Runner
+from ..reference.reference_set import MARGIN, ReferenceSet
+from ..runner import Outcome, Runner
 from ..settings import Setting
 from .candidate import Candidate
 
@@ -39,16 +39,41 @@ class Ensemble:
 
     def one(self, setting: Setting, bounds: Mapping[str, float], member: int = 0) -> Candidate:
         """A setting at one start, by default the scene's own."""
+        return self._run(setting, bounds, member)[0]
+
+    def errors(
+        self, setting: Setting, bounds: Mapping[str, float]
+    ) -> tuple[Candidate, NDArray[np.float64]]:
+        """A setting at the scene's own start, and its errors over their bounds, shape (k,).
+
+        Those of one output follow on those of another; they are zero where the reference cannot
+        tell. Settings with the same macro step have them at the same times.
+        """
+        candidate, outcome = self._run(setting, bounds, 0)
+        if candidate.miss == math.inf:
+            return candidate, np.array([math.inf])
+        exact = self.references.values(self.references.model, outcome.times)
+        found = []
+        for path, bound in bounds.items():
+            doubt = self.references.reference.uncertainty(path, outcome.times)[:, 0]
+            error = outcome.outputs[path] - exact[path][:, 0]
+            found.append(np.where(MARGIN * doubt <= bound, error / bound, 0.0))
+        return candidate, np.concatenate(found)
+
+    def _run(
+        self, setting: Setting, bounds: Mapping[str, float], member: int
+    ) -> tuple[Candidate, Outcome]:
         start = {path: float(values[member]) for path, values in self.starts.items()}
         outcome = self.runner.glance(setting, start)
         self.runs += 1
         if outcome.failure or len(outcome.times) < 2:
-            return Candidate(setting, math.inf, outcome.cpu, math.inf, failure=outcome.failure)
+            failed = Candidate(setting, math.inf, outcome.cpu, math.inf, failure=outcome.failure)
+            return failed, outcome
         verdicts = self.references.errors(
             outcome.times, outcome.outputs, member=member, least=bounds
         )
         miss = max(v.worst / bounds[path] for path, v in verdicts.items())
-        return Candidate(setting, miss, outcome.cpu, miss, verdicts=verdicts)
+        return Candidate(setting, miss, outcome.cpu, miss, verdicts=verdicts), outcome
 
     def all(self, setting: Setting, bounds: Mapping[str, float]) -> Candidate:
         """A setting on the whole ensemble: the worst start, or what their spread leads to expect.
@@ -69,8 +94,10 @@ class Ensemble:
         if min(misses) > 0.0 and miss < math.inf and len(misses) == self.members > 2:
             logs = [math.log(m) for m in misses]
             n = len(logs)
-            reach = _STUDENT.get(n - 1, 2.9) * statistics.stdev(logs) * math.sqrt(1.0 + 1.0 / n)
-            expected = statistics.fmean(logs) + reach
+            middle = statistics.median(logs)
+            above = statistics.fmean((x - middle) ** 2 for x in logs if x >= middle)
+            reach = _STUDENT.get(n - 1, 2.9) * math.sqrt(above * (1.0 + 1.0 / n))
+            expected = middle + reach
             miss *= max(1.1, math.exp(min(expected - math.log(miss), _WIDEST)))
         failure = next((c.failure for c in every if c.failure), "")
         return replace(own, miss=miss, seen=seen, starts=len(every), failure=failure)

@@ -3,32 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...cosim.scene_parts import ALGORITHMS
 from ..grid import couplings
 from ..settings import Setting, Space
+from .balance import HOPELESS
 from .candidate import Candidate
 from .ensemble import Ensemble
-from .step_search import AIM
 
 if TYPE_CHECKING:
     from ...cosim.scene import Scene
 
-__all__ = ["MacroSearch", "order"]
+__all__ = ["MacroSearch", "fraction", "order"]
 
 _LONGER = 1.5  # times the macro step with values held, for which slopes are worth their cost
 _TIMINGS = 2  # more of each coupling that fits, in turns
-_ROOM = 0.5  # of the bounds that coupling may take, the rest is for integration
+#: of the bounds, what coupling may take and what is aimed at: macro steps cost most, and what an
+#: integration needs that adds little to its error costs less than shorter ones
+_ROOM, _AIM = 0.9, 0.8
+_NEAR = 1.15  # times a macro step that fits, up to which longer ones are not looked for
+_RUNS = 6  # that one coupling may take
+_LESS = 0.8  # from one macro step to the next, where errors may cancel
+_ROUND = 1.1  # times the steps that are necessary, for a round number
+_DEARER = 4.0  # times the cheapest that fits, beyond which another is of no interest
 
 
 class MacroSearch:
     """Looks for the coupling of one scene.
 
-    step: the longest macro step in s; sampled: whether anything is held over it; dearest: CPU
-    seconds that a simulated one may take.
+    step: the longest macro step in s; whole: time in s that all others divide; sampled: whether
+        anything is held over a macro step; dearest: CPU seconds that a simulated one may take.
     """
 
     def __init__(
@@ -38,6 +45,7 @@ class MacroSearch:
         ensemble: Ensemble,
         *,
         step: float,
+        whole: float,
         sampled: bool,
         dearest: float,
     ) -> None:
@@ -45,6 +53,7 @@ class MacroSearch:
         self.space = space
         self.ensemble = ensemble
         self.step = step
+        self.whole = whole
         self.sampled = sampled
         self.dearest = dearest
 
@@ -68,17 +77,11 @@ class MacroSearch:
         every: list[Candidate] = []
         for algorithm, hold in self._couplings():
             setting = replace(base, algorithm=algorithm, hold=hold)
-            for _ in range(5 if self.sampled else 1):
-                tell(f"{setting.coupling}, macro step {setting.step:.2g} s")
-                candidate = self.ensemble.one(setting, bounds)
-                every.append(candidate)
-                if candidate.miss <= _ROOM:
-                    options.append(candidate)
-                    break
-                finer = self._finer(candidate)
-                if finer is None:
-                    break
-                setting = finer
+            tell(f"{setting.coupling}, macro step")
+            most = _DEARER * min((c.cpu for c in options), default=math.inf)
+            found = self._longest(setting, lambda s: self.ensemble.one(s, bounds), most)
+            every += found
+            options += _fitting(found)[-1:]
         tried += every
         # slopes cost something, and timings differ by chance: only where they allow longer steps
         held = {c.setting.algorithm: c.setting.step for c in options if c.setting.hold == "zero"}
@@ -89,10 +92,30 @@ class MacroSearch:
             or c.setting.step > _LONGER * held.get(c.setting.algorithm, 0.0)
         ]
         if options:
-            return self._for_all_starts(self._cheapest(options, bounds), bounds, tried)
+            chosen = self._cheapest(options, bounds)
+            if not self.sampled:
+                return chosen
+            # other starts may need a shorter one
+            found = self._longest(chosen, lambda s: self.ensemble.all(s, bounds))
+            tried += found
+            return _fitting(found)[-1].setting if _fitting(found) else found[-1].setting
         if self.sampled:
             return replace(base, step=min(c.setting.step for c in every))
         return min(every, key=lambda c: c.miss).setting if every else base
+
+    def longer(self, found: Setting) -> Iterator[list[Setting]]:
+        """Of each coupling, macro steps longer than the one found, from long to short.
+
+        Integration is as good as exact.
+        """
+        for algorithm, hold in self._couplings():
+            setting = replace(self.given, algorithm=algorithm, hold=hold)
+            step = min(found.step * HOPELESS ** (1.0 / order(setting)), self.step)
+            steps = []
+            while step > _NEAR * found.step:
+                steps.append(fraction(self.whole, step))
+                step *= _LESS
+            yield [replace(setting, step=step) for step in steps]
 
     def _cheapest(self, options: Sequence[Candidate], bounds: Mapping[str, float]) -> Setting:
         """By the least of several timings of each, for one may be off by chance."""
@@ -102,27 +125,36 @@ class MacroSearch:
                 least[k] = min(least[k], self.ensemble.one(candidate.setting, bounds).cpu)
         return options[least.index(min(least))].setting
 
-    def _finer(self, candidate: Candidate) -> Setting | None:
-        """The macro step at which a setting is expected to fit; None where it costs too much."""
-        setting = candidate.setting
-        factor = (AIM / min(candidate.miss, 1e6)) ** (1.0 / order(setting))
-        step = self.step / math.ceil(self.step / (setting.step * factor) - 1e-9)
-        if candidate.cpu * setting.step / step > self.dearest:
-            return None
-        return replace(setting, step=step)
+    def _longest(
+        self, setting: Setting, evaluate: Callable[[Setting], Candidate], most: float = math.inf
+    ) -> list[Candidate]:
+        """Candidates on the way to nearly the longest macro step that leaves room.
 
-    def _for_all_starts(
-        self, setting: Setting, bounds: Mapping[str, float], tried: list[Candidate]
-    ) -> Setting:
-        """The setting, finer in the macro step where other starts need it."""
-        for _ in range(3 if self.sampled else 0):
-            candidate = self.ensemble.all(setting, bounds)
-            tried.append(candidate)
-            finer = None if candidate.miss <= _ROOM else self._finer(candidate)
-            if finer is None or finer.step == setting.step:
+        most: cost (s per s) beyond which they are of no interest.
+        """
+        tried: list[Candidate] = []
+        for _ in range(_RUNS if self.sampled else 1):
+            tried.append(evaluate(setting))
+            step = self._next(tried, most)
+            if step is None:
                 break
-            setting = finer
-        return setting
+            setting = replace(setting, step=step)
+        return tried
+
+    def _next(self, tried: Sequence[Candidate], most: float) -> float | None:
+        """The macro step to try; None where one fits nearly, or the next would cost too much."""
+        last = tried[-1]
+        step = last.setting.step
+        factor = (_AIM / min(max(last.miss, 1e-12), 1e6)) ** (1.0 / order(last.setting))
+        fits = max((c.setting.step for c in _fitting(tried)), default=0.0)
+        fails = min((c.setting.step for c in tried if c.miss > _ROOM), default=math.inf)
+        wanted = min(step * factor, self.step)
+        if fits > 0.0 and wanted >= fails:
+            wanted = math.sqrt(fits * fails)
+        wanted = fraction(self.whole, wanted)
+        if wanted <= _NEAR * fits or wanted == step:
+            return None
+        return wanted if last.cpu * step / wanted <= min(most, self.dearest) else None
 
     def _couplings(self) -> list[tuple[str, str]]:
         """Algorithms and holds to choose from."""
@@ -132,6 +164,25 @@ class MacroSearch:
         # of plants alone the algorithm stays
         found = [pair for pair in found if pair[0] == self.scene.algorithm]
         return found if len(found) > 1 else []
+
+
+def _fitting(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Those that leave room, by macro step."""
+    return sorted((c for c in tried if c.miss <= _ROOM), key=lambda c: c.setting.step)
+
+
+def fraction(whole: float, longest: float) -> float:
+    """A macro step up to `longest` that divides a time: a round one where that costs little."""
+    count = math.ceil(whole / longest - 1e-9)
+    exponent = math.floor(math.log10(longest)) - 1
+    for digits in range(round(longest / 10.0**exponent), 9, -1):
+        step = float(f"{digits}e{exponent}")
+        multiple = whole / step
+        if multiple > _ROUND * count:
+            break
+        if step <= longest * (1.0 + 1e-9) and abs(multiple - round(multiple)) < 1e-9 * multiple:
+            return step
+    return whole / count
 
 
 def order(setting: Setting) -> float:

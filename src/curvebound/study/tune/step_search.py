@@ -8,13 +8,13 @@ from collections.abc import Callable, Mapping
 from ..settings import STEP_ORDERS, Setting
 from .candidate import Candidate
 
-__all__ = ["AIM", "coarser", "search_size"]
+__all__ = ["AIM", "STEP_COST", "coarser", "search_size"]
 
 AIM = 0.35  # share of the bound that is aimed at
 _LOOSEST, _TIGHTEST = 1e-2, 1e-15  # tolerances
 _FINEST = 200_000  # micro steps in a macro step
 #: CPU seconds of a micro step times seconds, a first guess until one has been measured
-_STEP_COST = 5e-8
+STEP_COST = 5e-8
 
 
 def search_size(
@@ -84,9 +84,9 @@ def _expected(tried: Mapping[float, Candidate], following: Setting) -> float:
     sizes = sorted(tried)
     if len(sizes) < 2:
         only = tried[sizes[0]]
-        return only.cpu + _STEP_COST / following.size
+        return only.cpu + STEP_COST / following.size
     fine, coarse = tried[sizes[0]], tried[sizes[-1]]
-    slope = max((fine.cpu - coarse.cpu) / (1 / sizes[0] - 1 / sizes[-1]), 0.3 * _STEP_COST)
+    slope = max((fine.cpu - coarse.cpu) / (1 / sizes[0] - 1 / sizes[-1]), 0.3 * STEP_COST)
     return coarse.cpu + slope * (1 / following.size - 1 / sizes[-1])
 
 

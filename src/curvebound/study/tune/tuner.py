@@ -4,6 +4,9 @@ Each family (structure and method) is followed along its error law: error ~ size
 step, ~ tolerance for `adaptive`. One or two runs tell where the bound is met; families that cannot
 be among the cheapest are dropped as soon as that is seen. What is left is refined on an ensemble of
 starts around the scene's own, so that the choice holds for neighbours too, and timed in turn.
+
+Where the coupling is to be chosen, the longest macro step that does with an integration as good as
+exact comes first, then the families at it, and at longer ones where their errors cancel.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from ..runner import Runner
 from ..settings import Setting, Space, space_of
 from ..starts import surrounding
 from ..timing import interleave, median
+from .balance import balanced
 from .candidate import Candidate, Choice
 from .ensemble import Ensemble
 from .macro_search import MacroSearch, order
@@ -85,6 +89,7 @@ class Tuner:
             self.space,
             self.ensemble,
             step=self.step,
+            whole=self.span if rate is None else self.step,  # pictures are communication points
             sampled=self.sampled,
             dearest=limit / self.span,
         )
@@ -143,6 +148,8 @@ class Tuner:
                 best = min(fitting, key=lambda c: c.cpu)
                 fronts.append(best)
                 cheapest = min(cheapest, best.cpu)
+        if self.continuous and self.sampled:
+            fronts += self._balanced(macro, bounds, min(cheapest, dearest), tried, tell)
         shortlist = self._refine(fronts, bounds, tried, tell)
         timed = self._time(shortlist, tell)
         within = [c for c in timed if budget is None or c.cpu <= budget]
@@ -151,6 +158,36 @@ class Tuner:
             self._keep_to(budget, choice, timed + tried)
         choice.runs = self.ensemble.runs - before
         return choice
+
+    def _balanced(
+        self,
+        macro: Setting,
+        bounds: Mapping[str, float],
+        cheapest: float,
+        tried: list[Candidate],
+        tell: Callable[[str], None],
+    ) -> list[Candidate]:
+        """What fits at longer macro steps, where errors of coupling and of integration cancel."""
+        fronts: list[Candidate] = []
+        for steps in self.coupling.longer(macro):
+            for longer in steps:
+                tell(f"{longer.coupling}, macro step {quantity(longer.step, 's', 2)}: balance")
+                seen = balanced(self.ensemble, longer, self._families(longer), bounds, cheapest)
+                tried += seen
+                likely = sorted((c for c in seen if c.fits), key=lambda c: c.cpu)
+                found = [c for c in likely if c.cpu < cheapest and self._holds(c, bounds, tried)]
+                fronts += found
+                if found:
+                    cheapest = found[0].cpu
+                    break  # shorter ones cost more
+        return fronts
+
+    def _holds(
+        self, candidate: Candidate, bounds: Mapping[str, float], tried: list[Candidate]
+    ) -> bool:
+        """Whether a setting meets the bounds at all starts."""
+        tried.append(self.ensemble.all(candidate.setting, bounds))
+        return tried[-1].fits
 
     def _families(self, macro: Setting) -> list[Setting]:
         """Families in the order in which they are likely to be cheap: high order first."""
@@ -175,8 +212,11 @@ class Tuner:
         likely: list[Candidate] = []
         members = self.ensemble.members
         least = min((c.cpu for c in fronts), default=1.0)
-        # first timings are not sure within 30 %: among equals, the more accurate first
-        ranked = sorted(fronts, key=lambda c: (int(math.log(c.cpu / least, 1.3)), c.miss))
+        # first timings are not sure within 30 %: among equals, the clearly more accurate first
+        ranked = sorted(
+            fronts,
+            key=lambda c: (int(math.log(c.cpu / least, 1.3)), _level(c.miss), c.cpu),
+        )
         for front in ranked:
             if len(fitting) >= _ALL or (fitting and front.cpu > 1.6 * fitting[0].cpu):
                 break
@@ -220,8 +260,10 @@ class Tuner:
             best = min(tried, key=lambda c: (c.seen == math.inf, c.starts == alone, c.seen))
             return Choice(None, best, None, until, 0, advice=self._advice(best, tried))
         least = min(c.cpu for c in timed)
-        # nearly the same cost: then the more accurate
-        chosen = min((c for c in timed if c.cpu <= 1.2 * least), key=lambda c: (c.miss, c.seen))
+        # nearly the same cost: then the clearly more accurate
+        near = [c for c in timed if c.cpu <= 1.2 * least]
+        accurate = min(c.miss for c in near)
+        chosen = min((c for c in near if c.miss <= 1.2 * accurate), key=lambda c: c.cpu)
         cheaper = self._cheaper(chosen, tried, bounds)
         return Choice(chosen, chosen, cheaper, until, 0, sure=chosen.fits)
 
@@ -287,6 +329,11 @@ class Tuner:
         known = [c for c in every if c.starts == members and c.miss < math.inf]
         affordable = [c for c in known if c.cpu <= budget]
         choice.affordable = min(affordable, key=lambda c: c.miss, default=None)
+
+
+def _level(miss: float) -> int:
+    """Of errors that differ by more than about a half."""
+    return round(math.log(max(miss, 1e-300), 1.5))
 
 
 def _round_up(x: float) -> float:

@@ -1,0 +1,77 @@
+"""Longer macro steps, at which errors of integration and of coupling have opposite signs.
+
+To first order both add: error(t) = coupling(t) + integration(t) size^order. From a run whose
+integration is as good as exact and one at any size follows the error at all other sizes, and so the
+one at which the sum is least. Where that meets the bounds at the scene's own start, it is tried at
+the others: what cancels by chance does not hold there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..settings import STEP_ORDERS, Setting
+from .candidate import Candidate
+from .ensemble import Ensemble
+from .step_search import STEP_COST
+
+__all__ = ["HOPELESS", "balanced"]
+
+HOPELESS = 20.0  # times the bounds: coupling's error, of which hardly a twentieth would be left
+_LEFT = 0.5  # of coupling's error, at most, where another size is worth a run
+_TRIES = 4  # sizes of one family
+#: numbers of micro steps in a macro step, by no more than a twentieth apart
+_DIVISIONS = np.unique(np.round(1.05 ** np.arange(190)))
+
+
+def balanced(
+    ensemble: Ensemble,
+    macro: Setting,
+    families: Sequence[Setting],
+    bounds: Mapping[str, float],
+    most: float,
+) -> list[Candidate]:
+    """What each family comes to at the macro step of a setting.
+
+    macro: a setting whose integration is as good as exact.
+    most: cost (s per s) beyond which a candidate is of no interest.
+    """
+    coupled, coupling = ensemble.errors(macro, bounds)
+    tried: list[Candidate] = []
+    if not coupled.miss < HOPELESS:
+        return tried
+    for family in families:
+        order = STEP_ORDERS.get(family.method)
+        sizes: set[float] = set()
+        divisions = 1.0
+        while order is not None and divisions not in sizes and len(sizes) < _TRIES:
+            sizes.add(divisions)
+            setting = family.with_size(macro.step / divisions)
+            candidate, error = ensemble.errors(setting, bounds)
+            tried.append(candidate)
+            if candidate.miss < math.inf:
+                left, following = _least(coupling, error - coupling, divisions, order)
+            else:
+                left, following = 0.0, 10.0 * divisions
+            more = STEP_COST * (following - divisions) / macro.step
+            if left > _LEFT * coupled.miss or candidate.cpu + more > most:
+                break
+            divisions = following
+    return tried
+
+
+def _least(
+    coupling: NDArray[np.float64], integration: NDArray[np.float64], divisions: float, order: int
+) -> tuple[float, float]:
+    """The least of the largest sums over the run, and its number of micro steps.
+
+    coupling, integration: errors over their bounds, shape (k,), the second at `divisions`.
+    """
+    parts = (divisions / _DIVISIONS) ** order
+    sums = [float(np.abs(coupling + part * integration).max()) for part in parts]
+    best = int(np.argmin(sums))
+    return sums[best], float(_DIVISIONS[best])
