@@ -1,4 +1,4 @@
-"""Longer macro steps, at which errors of integration and of coupling have opposite signs.
+"""Cheaper macro steps, at which errors of integration and of coupling have opposite signs.
 
 To first order both add: error(t) = coupling(t) + integration(t) size^order. From a run whose
 integration is as good as exact and one at any size follows the error at all other sizes, and so the

@@ -103,16 +103,23 @@ class MacroSearch:
             return replace(base, step=min(c.setting.step for c in every))
         return min(every, key=lambda c: c.miss).setting if every else base
 
-    def longer(self, found: Setting) -> Iterator[list[Setting]]:
-        """Of each coupling, macro steps longer than the one found, from long to short.
+    def cheaper(self, found: Setting, tried: Sequence[Candidate]) -> Iterator[list[Setting]]:
+        """Of each coupling, macro steps that cost less than the one found, from long to short.
 
-        Integration is as good as exact.
+        Integration is as good as exact. tried: candidates that tell what a macro step costs.
         """
+        base = self.given
+        costs: dict[str, float] = {}
+        for c in tried:
+            if c.setting.method == base.method and c.setting.size == base.size:
+                known = costs.get(c.setting.coupling, math.inf)
+                costs[c.setting.coupling] = min(known, c.cpu * c.setting.step)
         for algorithm, hold in self._couplings():
-            setting = replace(self.given, algorithm=algorithm, hold=hold)
+            setting = replace(base, algorithm=algorithm, hold=hold)
+            dear = costs.get(setting.coupling, math.inf) / costs[found.coupling]
             step = min(found.step * HOPELESS ** (1.0 / order(setting)), self.step)
             steps = []
-            while step > _NEAR * found.step:
+            while step > _NEAR * dear * found.step:
                 steps.append(fraction(self.whole, step))
                 step *= _LESS
             yield [replace(setting, step=step) for step in steps]

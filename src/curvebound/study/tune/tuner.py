@@ -6,7 +6,7 @@ be among the cheapest are dropped as soon as that is seen. What is left is refin
 starts around the scene's own, so that the choice holds for neighbours too, and timed in turn.
 
 Where the coupling is to be chosen, the longest macro step that does with an integration as good as
-exact comes first, then the families at it, and at longer ones where their errors cancel.
+exact comes first, then the families at it, and at cheaper ones where their errors cancel.
 """
 
 from __future__ import annotations
@@ -167,12 +167,12 @@ class Tuner:
         tried: list[Candidate],
         tell: Callable[[str], None],
     ) -> list[Candidate]:
-        """What fits at longer macro steps, where errors of coupling and of integration cancel."""
+        """What fits at cheaper macro steps, where errors of coupling and of integration cancel."""
         fronts: list[Candidate] = []
-        for steps in self.coupling.longer(macro):
-            for longer in steps:
-                tell(f"{longer.coupling}, macro step {quantity(longer.step, 's', 2)}: balance")
-                seen = balanced(self.ensemble, longer, self._families(longer), bounds, cheapest)
+        for steps in self.coupling.cheaper(macro, tried):
+            for other in steps:
+                tell(f"{other.coupling}, macro step {quantity(other.step, 's', 2)}: balance")
+                seen = balanced(self.ensemble, other, self._families(other), bounds, cheapest)
                 tried += seen
                 likely = sorted((c for c in seen if c.fits), key=lambda c: c.cpu)
                 found = [c for c in likely if c.cpu < cheapest and self._holds(c, bounds, tried)]
