@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..cosim.slopes import has_slopes
+from .reference.monolith import equations_of
 from .settings import Setting, Space
 
 if TYPE_CHECKING:
     from ..cosim.scene import Scene
 
-__all__ = ["Family", "couplings", "divisions", "grid", "is_sampled", "tolerances"]
+__all__ = ["Family", "couplings", "divisions", "grid", "has_periods", "is_sampled", "tolerances"]
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,13 @@ def is_sampled(scene: Scene, space: Space) -> bool:
     system = space.system
     laws = [name for name in system.nodes if name not in space.plants]
     return bool(laws or system.signals)
+
+
+def has_periods(space: Space) -> bool:
+    """Whether a law acts at points of its own, by a sample period."""
+    nodes = space.system.nodes
+    laws = [node for name, node in nodes.items() if name not in space.plants]
+    return any(equations_of(law, {}).period() > 0.0 for law in laws)
 
 
 def divisions(quick: bool) -> list[int]:

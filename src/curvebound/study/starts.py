@@ -21,27 +21,27 @@ __all__ = ["initial_values", "set_points", "surrounding", "unseen"]
 
 
 def initial_values(system: System) -> dict[str, float]:
-    """The initial values of a scene that can vary, by path: parameters `*_start`, not zero."""
+    """The initial values of a scene that can vary, by path: parameters `*_start`, not zero.
+
+    One that is the set point of feedback already has no distance from it that could vary.
+    """
     found: dict[str, float] = {}
-    shapes = _held(system)[1]
+    held, shapes = _held(system)
     for name, node in system.nodes.items():
         for variable in node.fmu.variables.values():
             if not (variable.name.endswith("_start") and variable.kind == "Real"):
                 continue
+            path = f"{name}.{variable.name}"
             value = float(node.start.get(variable.name, variable.start or 0.0))
-            if value != 0.0 and f"{name}.{variable.name}" not in shapes:
-                found[f"{name}.{variable.name}"] = value
+            if path not in shapes and value not in (0.0, held.get(path)):
+                found[path] = value
     return found
 
 
 def set_points(system: System) -> dict[str, float]:
-    """The values at which feedback holds what begins at a parameter `*_start`, by its path.
-
-    A set point that equals the start, and so leaves nothing to vary, is none.
-    """
+    """The values at which feedback holds what begins at a parameter `*_start`, by its path."""
     own = initial_values(system)
-    held = _held(system)[0]
-    return {path: held[path] for path, start in own.items() if held.get(path, start) != start}
+    return {path: value for path, value in _held(system)[0].items() if path in own}
 
 
 def _held(system: System) -> tuple[dict[str, float], set[str]]:

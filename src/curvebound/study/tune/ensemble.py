@@ -78,10 +78,10 @@ class Ensemble:
     def all(self, setting: Setting, bounds: Mapping[str, float]) -> Candidate:
         """A setting on the whole ensemble: the worst start, or what their spread leads to expect.
 
-        The bound is one of prediction: errors are taken as log-normal over the starts, and the
-        next one lies below it with a probability of 0.995 (Student's t), and within 1000 times the
-        worst seen: errors of a chaotic motion spread over many orders. Where the first starts,
-        which are the extreme ones, miss by far, the others are spared.
+        Errors are taken as log-normal above their median over the starts, by which the next one
+        lies below what is expected with a probability of about 0.99 (Student's t), and as within
+        1000 times the worst seen: those of a chaotic motion spread over many orders. Where the
+        first starts, which are the extreme ones, miss by far, the others are spared.
         """
         every: list[Candidate] = []
         for member in range(self.members):
@@ -91,11 +91,11 @@ class Ensemble:
         own = every[0]
         misses = [c.miss for c in every]
         miss = seen = max(misses)
-        if min(misses) > 0.0 and miss < math.inf and len(misses) == self.members > 2:
-            logs = [math.log(m) for m in misses]
+        if 0.0 < miss < math.inf and len(misses) == self.members > 2:
+            logs = sorted(math.log(max(m, 1e-300)) for m in misses)
             n = len(logs)
             middle = statistics.median(logs)
-            above = statistics.fmean((x - middle) ** 2 for x in logs if x >= middle)
+            above = statistics.fmean((x - middle) ** 2 for x in logs[(n + 1) // 2 :])
             reach = _STUDENT.get(n - 1, 2.9) * math.sqrt(above * (1.0 + 1.0 / n))
             expected = middle + reach
             miss *= max(1.1, math.exp(min(expected - math.log(miss), _WIDEST)))

@@ -25,6 +25,7 @@ _TIMINGS = 2  # more of each coupling that fits, in turns
 #: integration needs that adds little to its error costs less than shorter ones
 _ROOM, _AIM = 0.9, 0.8
 _NEAR = 1.15  # times a macro step that fits, up to which longer ones are not looked for
+_BACK = 4.0  # times shorter, where a run fails and no law tells how much
 _RUNS = 6  # that one coupling may take
 _LESS = 0.8  # from one macro step to the next, where errors may cancel
 _ROUND = 1.1  # times the steps that are necessary, for a round number
@@ -99,8 +100,6 @@ class MacroSearch:
             found = self._longest(chosen, lambda s: self.ensemble.all(s, bounds))
             tried += found
             return _fitting(found)[-1].setting if _fitting(found) else found[-1].setting
-        if self.sampled:
-            return replace(base, step=min(c.setting.step for c in every))
         return min(every, key=lambda c: c.miss).setting if every else base
 
     def cheaper(self, found: Setting, tried: Sequence[Candidate]) -> Iterator[list[Setting]]:
@@ -117,12 +116,13 @@ class MacroSearch:
         for algorithm, hold in self._couplings():
             setting = replace(base, algorithm=algorithm, hold=hold)
             dear = costs.get(setting.coupling, math.inf) / costs[found.coupling]
+            least = _NEAR * dear * found.step
             step = min(found.step * HOPELESS ** (1.0 / order(setting)), self.step)
             steps = []
-            while step > _NEAR * dear * found.step:
+            while step > least:
                 steps.append(fraction(self.whole, step))
                 step *= _LESS
-            yield [replace(setting, step=step) for step in steps]
+            yield [replace(setting, step=s) for s in dict.fromkeys(steps) if s > least]
 
     def _cheapest(self, options: Sequence[Candidate], bounds: Mapping[str, float]) -> Setting:
         """By the least of several timings of each, for one may be off by chance."""
@@ -152,13 +152,17 @@ class MacroSearch:
         """The macro step to try; None where one fits nearly, or the next would cost too much."""
         last = tried[-1]
         step = last.setting.step
-        factor = (_AIM / min(max(last.miss, 1e-12), 1e6)) ** (1.0 / order(last.setting))
         fits = max((c.setting.step for c in _fitting(tried)), default=0.0)
-        fails = min((c.setting.step for c in tried if c.miss > _ROOM), default=math.inf)
-        wanted = min(step * factor, self.step)
-        if fits > 0.0 and wanted >= fails:
+        misses = [c for c in tried if c.miss > _ROOM]
+        fails = min((c.setting.step for c in misses), default=math.inf)
+        if last.miss < math.inf:
+            wanted = step * (_AIM / max(last.miss, 1e-12)) ** (1.0 / order(last.setting))
+        else:
+            wanted = step / _BACK
+        broken = any(c.miss == math.inf and c.setting.step == fails for c in misses)
+        if fits > 0.0 and (wanted >= fails or (broken and fails > _NEAR**2 * fits)):
             wanted = math.sqrt(fits * fails)
-        wanted = fraction(self.whole, wanted)
+        wanted = fraction(self.whole, min(wanted, self.step))
         if wanted <= _NEAR * fits or wanted == step:
             return None
         return wanted if last.cpu * step / wanted <= min(most, self.dearest) else None

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...errors import CurveboundError
 from ...numbers import quantity
-from ..grid import is_sampled
+from ..grid import has_periods, is_sampled
 from ..reference.reference_set import ReferenceSet
 from ..runner import Runner
 from ..settings import Setting, Space, space_of
@@ -89,7 +89,8 @@ class Tuner:
             self.space,
             self.ensemble,
             step=self.step,
-            whole=self.span if rate is None else self.step,  # pictures are communication points
+            # pictures, and the points at which laws sample, are communication points
+            whole=self.step if rate is not None or has_periods(self.space) else self.span,
             sampled=self.sampled,
             dearest=limit / self.span,
         )
@@ -172,22 +173,37 @@ class Tuner:
         for steps in self.coupling.cheaper(macro, tried):
             for other in steps:
                 tell(f"{other.coupling}, macro step {quantity(other.step, 's', 2)}: balance")
-                seen = balanced(self.ensemble, other, self._families(other), bounds, cheapest)
+                # what a simpler model is off by follows no order of the micro step
+                families = [
+                    family
+                    for family in self._families(other)
+                    if self.space.is_simpler or not self.space.is_approximate(family)
+                ]
+                seen = balanced(self.ensemble, other, families, bounds, cheapest)
                 tried += seen
-                likely = sorted((c for c in seen if c.fits), key=lambda c: c.cpu)
-                found = [c for c in likely if c.cpu < cheapest and self._holds(c, bounds, tried)]
+                found = self._that_hold(seen, bounds, cheapest, tried)
                 fronts += found
                 if found:
                     cheapest = found[0].cpu
                     break  # shorter ones cost more
         return fronts
 
-    def _holds(
-        self, candidate: Candidate, bounds: Mapping[str, float], tried: list[Candidate]
-    ) -> bool:
-        """Whether a setting meets the bounds at all starts."""
-        tried.append(self.ensemble.all(candidate.setting, bounds))
-        return tried[-1].fits
+    def _that_hold(
+        self,
+        seen: list[Candidate],
+        bounds: Mapping[str, float],
+        cheapest: float,
+        tried: list[Candidate],
+    ) -> list[Candidate]:
+        """Those that meet the bounds at all starts at less cost than the cheapest."""
+        found = []
+        for candidate in sorted(seen, key=lambda c: c.cpu):
+            if candidate.fits and candidate.cpu < cheapest:
+                everywhere = self.ensemble.all(candidate.setting, bounds)
+                tried.append(everywhere)
+                if everywhere.fits:
+                    found.append(candidate)
+        return found
 
     def _families(self, macro: Setting) -> list[Setting]:
         """Families in the order in which they are likely to be cheap: high order first."""
@@ -242,7 +258,7 @@ class Tuner:
         return sure or sorted(safe or likely, key=lambda c: c.cpu)[:_ALL]
 
     def _time(self, found: list[Candidate], tell: Callable[[str], None]) -> list[Candidate]:
-        """Costs of the candidates, taken in turn so that the machine's moods fall on all alike."""
+        """Costs of the candidates, taken in turn: a slow moment falls on all alike."""
         if not found:
             return []
         tell("timing")
@@ -304,7 +320,7 @@ class Tuner:
         """What would fit, where nothing does."""
         words = []
         setting = best.setting
-        if self.sampled and self.continuous:
+        if self.sampled and self.continuous and best.seen < math.inf:
             finer = setting.step / (best.seen / AIM) ** (1.0 / order(setting))
             cpu = best.cpu * setting.step / finer
             words.append(
