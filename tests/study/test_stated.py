@@ -217,20 +217,6 @@ def box(monkeypatch: pytest.MonkeyPatch) -> Any:
     return SimpleNamespace()
 
 
-def test_corners_come_before_the_starts_that_fill_the_box(box: Any) -> None:
-    found = starts.surrounding(box, 0.2, 12)
-    a, b = (found[path] for path in "ab")
-    assert len(a) == len(b) == 13
-    assert (a[0], b[0]) == (2.0, -10.0)
-    assert (a[1], b[1]) == (pytest.approx(2.4), pytest.approx(-10.2))
-    assert (a[2], b[2]) == (pytest.approx(1.6), pytest.approx(-9.8))
-    assert np.abs(a[1:5] / 2.0 - 1.0) == pytest.approx(0.2)
-    assert np.abs(b[1:5] + 10.0) == pytest.approx(0.2)
-    for inside in ((a[5:] / 2.0 - 1.0) / 0.2, (b[5:] + 10.0) / -0.2):
-        slices = np.floor((inside + 1.0) / 2.0 * 8)
-        assert sorted(slices) == list(range(8))
-
-
 def test_fresh_starts_fill_the_same_box(box: Any) -> None:
     found = starts.unseen(box, 0.2, 400)
     for path, centre, half in (("a", 2.0, 0.4), ("b", -10.0, 0.2)):

@@ -19,12 +19,13 @@ from .candidate import Candidate
 from .ensemble import Ensemble
 from .step_search import STEP_COST
 
-__all__ = ["HOPELESS", "balanced"]
+__all__ = ["LARGEST", "balanced"]
 
-HOPELESS = 20.0  # times the bounds: coupling's error, of which hardly a twentieth would be left
+LARGEST = 20.0  # error of coupling over its bounds: hardly a twentieth of it would be left
 _LEFT = 0.5  # of coupling's error, at most, where another size is worth a run
 _TRIES = 4  # sizes of one family
-#: numbers of micro steps in a macro step, by no more than a twentieth apart
+_FINER = 10.0  # times as many micro steps where a run fails
+#: numbers of micro steps in a macro step: all small ones, then about a twentieth apart
 _DIVISIONS = np.unique(np.round(1.05 ** np.arange(190)))
 
 
@@ -37,26 +38,27 @@ def balanced(
 ) -> list[Candidate]:
     """What each family comes to at the macro step of a setting.
 
-    macro: a setting whose integration is as good as exact.
+    macro: a setting whose integration is as good as exact. Families without an order in the micro
+        step (adaptive, exact) are passed over.
     most: cost (s per s) beyond which a candidate is of no interest.
     """
     coupled, coupling = ensemble.errors(macro, bounds)
     tried: list[Candidate] = []
-    if not coupled.miss < HOPELESS:
+    if not coupled.miss < LARGEST:
         return tried
     for family in families:
         order = STEP_ORDERS.get(family.method)
-        sizes: set[float] = set()
+        numbers: set[float] = set()
         divisions = 1.0
-        while order is not None and divisions not in sizes and len(sizes) < _TRIES:
-            sizes.add(divisions)
+        while order is not None and divisions not in numbers and len(numbers) < _TRIES:
+            numbers.add(divisions)
             setting = family.with_size(macro.step / divisions)
             candidate, error = ensemble.errors(setting, bounds)
             tried.append(candidate)
             if candidate.miss < math.inf:
                 left, following = _least(coupling, error - coupling, divisions, order)
             else:
-                left, following = 0.0, 10.0 * divisions
+                left, following = 0.0, _FINER * divisions
             more = STEP_COST * (following - divisions) / macro.step
             if left > _LEFT * coupled.miss or candidate.cpu + more > most:
                 break
@@ -71,7 +73,7 @@ def _least(
 
     coupling, integration: errors over their bounds, shape (k,), the second at `divisions`.
     """
-    parts = (divisions / _DIVISIONS) ** order
-    sums = [float(np.abs(coupling + part * integration).max()) for part in parts]
+    scales = (divisions / _DIVISIONS) ** order
+    sums = [float(np.abs(coupling + scale * integration).max()) for scale in scales]
     best = int(np.argmin(sums))
     return sums[best], float(_DIVISIONS[best])

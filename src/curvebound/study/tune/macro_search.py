@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ...cosim.scene_parts import ALGORITHMS
 from ..grid import couplings
 from ..settings import Setting, Space
-from .balance import HOPELESS
+from .balance import LARGEST
 from .candidate import Candidate
 from .ensemble import Ensemble
 
@@ -60,7 +60,7 @@ class MacroSearch:
 
     @property
     def given(self) -> Setting:
-        """The scene's own; a setting whose integration is as good as exact."""
+        """The scene's own coupling, with an integration that is as good as exact."""
         scene = self.scene
         return Setting(
             self.space.structures[0], "adaptive", 1e-11, self.step, scene.algorithm, scene.hold
@@ -117,7 +117,7 @@ class MacroSearch:
             setting = replace(base, algorithm=algorithm, hold=hold)
             dear = costs.get(setting.coupling, math.inf) / costs[found.coupling]
             least = _NEAR * dear * found.step
-            step = min(found.step * HOPELESS ** (1.0 / order(setting)), self.step)
+            step = min(found.step * LARGEST ** (1.0 / order(setting)), self.step)
             steps = []
             while step > least:
                 steps.append(fraction(self.whole, step))
@@ -197,5 +197,5 @@ def fraction(whole: float, longest: float) -> float:
 
 
 def order(setting: Setting) -> float:
-    """Of the error in the macro step."""
+    """The order of coupling's error in the macro step."""
     return 2.0 if setting.hold == "first" else float(ALGORITHMS[setting.algorithm].order)

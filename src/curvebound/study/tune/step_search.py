@@ -13,7 +13,7 @@ __all__ = ["AIM", "STEP_COST", "coarser", "search_size"]
 AIM = 0.35  # share of the bound that is aimed at
 _LOOSEST, _TIGHTEST = 1e-2, 1e-15  # tolerances
 _FINEST = 200_000  # micro steps in a macro step
-#: CPU seconds of a micro step times seconds, a first guess until one has been measured
+#: CPU seconds of a micro step, a first guess until one has been measured
 STEP_COST = 5e-8
 
 

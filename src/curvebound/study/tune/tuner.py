@@ -21,7 +21,7 @@ import numpy as np
 from ...errors import CurveboundError
 from ...numbers import quantity
 from ..grid import has_periods, is_sampled
-from ..reference.reference_set import ReferenceSet
+from ..reference.reference_set import MARGIN, ReferenceSet
 from ..runner import Runner
 from ..settings import Setting, Space, space_of
 from ..starts import surrounding
@@ -132,7 +132,7 @@ class Tuner:
         macro = self.coupling.given
         if self.continuous or not self.sampled:
             macro = self.coupling.search(bounds, tried, tell)
-        fronts: list[Candidate] = []
+        finalists: list[Candidate] = []
         cheapest = math.inf
         dearest = self.limit / self.span
         for family in self._families(macro):
@@ -147,11 +147,11 @@ class Tuner:
             fitting = [c for c in seen if c.fits]
             if fitting:
                 best = min(fitting, key=lambda c: c.cpu)
-                fronts.append(best)
+                finalists.append(best)
                 cheapest = min(cheapest, best.cpu)
         if self.continuous and self.sampled:
-            fronts += self._balanced(macro, bounds, min(cheapest, dearest), tried, tell)
-        shortlist = self._refine(fronts, bounds, tried, tell)
+            finalists += self._balanced(macro, bounds, min(cheapest, dearest), tried, tell)
+        shortlist = self._refine(finalists, bounds, tried, tell)
         timed = self._time(shortlist, tell)
         within = [c for c in timed if budget is None or c.cpu <= budget]
         choice = self._decide(within or timed, tried, bounds)
@@ -169,7 +169,7 @@ class Tuner:
         tell: Callable[[str], None],
     ) -> list[Candidate]:
         """What fits at cheaper macro steps, where errors of coupling and of integration cancel."""
-        fronts: list[Candidate] = []
+        finalists: list[Candidate] = []
         for steps in self.coupling.cheaper(macro, tried):
             for other in steps:
                 tell(f"{other.coupling}, macro step {quantity(other.step, 's', 2)}: balance")
@@ -182,11 +182,11 @@ class Tuner:
                 seen = balanced(self.ensemble, other, families, bounds, cheapest)
                 tried += seen
                 found = self._that_hold(seen, bounds, cheapest, tried)
-                fronts += found
+                finalists += found
                 if found:
                     cheapest = found[0].cpu
                     break  # shorter ones cost more
-        return fronts
+        return finalists
 
     def _that_hold(
         self,
@@ -213,7 +213,7 @@ class Tuner:
 
     def _refine(
         self,
-        fronts: list[Candidate],
+        finalists: list[Candidate],
         bounds: Mapping[str, float],
         tried: list[Candidate],
         tell: Callable[[str], None],
@@ -227,22 +227,22 @@ class Tuner:
         fitting: list[Candidate] = []
         likely: list[Candidate] = []
         members = self.ensemble.members
-        least = min((c.cpu for c in fronts), default=1.0)
+        least = min((c.cpu for c in finalists), default=1.0)
         # first timings are not sure within 30 %: among equals, the clearly more accurate first
         ranked = sorted(
-            fronts,
+            finalists,
             key=lambda c: (int(math.log(c.cpu / least, 1.3)), _level(c.miss), c.cpu),
         )
-        for front in ranked:
-            if len(fitting) >= _ALL or (fitting and front.cpu > 1.6 * fitting[0].cpu):
+        for finalist in ranked:
+            if len(fitting) >= _ALL or (fitting and finalist.cpu > 1.6 * fitting[0].cpu):
                 break
-            tell(f"{front.setting.label}: {members} starts")
+            tell(f"{finalist.setting.label}: {members} starts")
             give_up = 4.0 * min((c.cpu for c in fitting or likely), default=math.inf)
             seen = search_size(
-                front.setting.family,
+                finalist.setting.family,
                 lambda s: self.ensemble.all(s, bounds),
                 min(give_up, self.limit / self.span),
-                first=front.setting,
+                first=finalist.setting,
                 floor=0.1,
             )
             tried += seen
@@ -311,7 +311,7 @@ class Tuner:
         until = self.scene.stop_time
         for path in self.paths:
             doubt = reference.uncertainty(path, times).max(axis=1)
-            unsure = np.flatnonzero(100.0 * doubt > bounds[path])
+            unsure = np.flatnonzero(MARGIN * doubt > bounds[path])
             if len(unsure):
                 until = min(until, float(times[max(0, unsure[0] - 1)]))
         return until
@@ -348,7 +348,7 @@ class Tuner:
 
 
 def _level(miss: float) -> int:
-    """Of errors that differ by more than about a half."""
+    """A number that errors have in common which differ by less than about a half."""
     return round(math.log(max(miss, 1e-300), 1.5))
 
 
