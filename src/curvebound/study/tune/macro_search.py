@@ -17,8 +17,9 @@ from .ensemble import Ensemble
 if TYPE_CHECKING:
     from ...cosim.scene import Scene
 
-__all__ = ["MacroSearch", "fraction", "order"]
+__all__ = ["UNSURE", "MacroSearch", "fraction", "order"]
 
+UNSURE = 1.3  # times what a single timing says, within which it is trusted
 _LONGER = 1.5  # times the macro step with values held, for which slopes are worth their cost
 _TIMINGS = 2  # more of each coupling that fits, in turns
 #: of the bounds, what coupling may take and what is aimed at: macro steps cost most, and what an
@@ -116,7 +117,8 @@ class MacroSearch:
         for algorithm, hold in self._couplings():
             setting = replace(base, algorithm=algorithm, hold=hold)
             dear = costs.get(setting.coupling, math.inf) / costs[found.coupling]
-            least = _NEAR * dear * found.step
+            least = max(dear / UNSURE, _NEAR if setting.coupling == found.coupling else 0.0)
+            least *= found.step
             step = min(found.step * LARGEST ** (1.0 / order(setting)), self.step)
             steps = []
             while step > least:

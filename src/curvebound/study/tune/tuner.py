@@ -29,7 +29,7 @@ from ..timing import interleave, median
 from .balance import balanced
 from .candidate import Candidate, Choice
 from .ensemble import Ensemble
-from .macro_search import MacroSearch, order
+from .macro_search import UNSURE, MacroSearch, order
 from .step_search import AIM, coarser, search_size
 
 if TYPE_CHECKING:
@@ -179,11 +179,11 @@ class Tuner:
                     for family in self._families(other)
                     if self.space.is_simpler or not self.space.is_approximate(family)
                 ]
-                seen = balanced(self.ensemble, other, families, bounds, cheapest)
+                seen = balanced(self.ensemble, other, families, bounds, UNSURE * cheapest)
                 tried += seen
-                found = self._that_hold(seen, bounds, cheapest, tried)
+                found = self._that_hold(seen, bounds, UNSURE * cheapest, tried)
                 finalists += found
-                if found:
+                if found and found[0].cpu < cheapest:
                     cheapest = found[0].cpu
                     break  # shorter ones cost more
         return finalists
@@ -192,13 +192,13 @@ class Tuner:
         self,
         seen: list[Candidate],
         bounds: Mapping[str, float],
-        cheapest: float,
+        most: float,
         tried: list[Candidate],
     ) -> list[Candidate]:
-        """Those that meet the bounds at all starts at less cost than the cheapest."""
+        """Those that meet the bounds at all starts and cost less than `most` (s per s)."""
         found = []
         for candidate in sorted(seen, key=lambda c: c.cpu):
-            if candidate.fits and candidate.cpu < cheapest:
+            if candidate.fits and candidate.cpu < most:
                 everywhere = self.ensemble.all(candidate.setting, bounds)
                 tried.append(everywhere)
                 if everywhere.fits:
@@ -228,10 +228,10 @@ class Tuner:
         likely: list[Candidate] = []
         members = self.ensemble.members
         least = min((c.cpu for c in finalists), default=1.0)
-        # first timings are not sure within 30 %: among equals, the clearly more accurate first
+        # among equals, the clearly more accurate first
         ranked = sorted(
             finalists,
-            key=lambda c: (int(math.log(c.cpu / least, 1.3)), _level(c.miss), c.cpu),
+            key=lambda c: (int(math.log(c.cpu / least, UNSURE)), _level(c.miss), c.cpu),
         )
         for finalist in ranked:
             if len(fitting) >= _ALL or (fitting and finalist.cpu > 1.6 * fitting[0].cpu):
