@@ -135,13 +135,12 @@ def test_of_other_starts_is_expected_what_the_spread_says(members: int) -> None:
 
 def test_what_is_expected_keeps_in_proportion_to_the_bound() -> None:
     misses = [0.1, 0.2, 0.05, 0.12, 0.3, 0.07]
-    found, other = (
-        ensemble([scale * m for m in misses]).all(family("rk4"), {"x": 1e-3})
-        for scale in (1.0, 3.0)
-    )
+    made = ensemble(misses)
+    found = made.all(family("rk4"), {"x": 1e-3})
+    other = ensemble([3.0 * m for m in misses]).all(family("rk4"), {"x": 1e-3})
     assert other.miss == pytest.approx(3.0 * found.miss)
     assert found.seen == pytest.approx(0.3)
-    assert found.starts == 6
+    assert found.starts == made.runs == 6
     assert not found.fits
 
 

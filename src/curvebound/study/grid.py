@@ -13,6 +13,7 @@ from .settings import Setting, Space
 
 if TYPE_CHECKING:
     from ..cosim.scene import Scene
+    from ..cosim.system import Node
 
 __all__ = ["Family", "couplings", "divisions", "grid", "has_periods", "is_sampled", "tolerances"]
 
@@ -30,16 +31,16 @@ class Family:
 
 def is_sampled(scene: Scene, space: Space) -> bool:
     """Whether the macro step is part of what the scene computes: something is held over it."""
-    system = space.system
-    laws = [name for name in system.nodes if name not in space.plants]
-    return bool(laws or system.signals)
+    return bool(_laws(space) or space.system.signals)
 
 
 def has_periods(space: Space) -> bool:
     """Whether a law acts at points of its own, by a sample period."""
-    nodes = space.system.nodes
-    laws = [node for name, node in nodes.items() if name not in space.plants]
-    return any(equations_of(law, {}).period() > 0.0 for law in laws)
+    return any(equations_of(law, {}).period() > 0.0 for law in _laws(space))
+
+
+def _laws(space: Space) -> list[Node]:
+    return [node for name, node in space.system.nodes.items() if name not in space.plants]
 
 
 def divisions(quick: bool) -> list[int]:
